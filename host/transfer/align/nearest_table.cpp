@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "host/transfer/align/nearest_table.hpp"
 
-#include <array>
 #include <cmath>
 
 #include "common/core/numbers.hpp"
@@ -43,14 +42,15 @@ NearestTable::NearestTable(const Surfels& surfels, float reach_mm) {
 void NearestTable::fill(const Surfels& surfels, float reach_mm) {
   const float cell_mm = 1 / per_mm_;
   const float reach_squared = (reach_mm + cell_mm) * (reach_mm + cell_mm);
+  // Squared distance of each cell's centre from its surfel: what another offer must be below.
+  std::vector<float> best(cells_.size(), reach_squared);
   std::vector<std::uint32_t> wave, next;
   const auto offer = [&](std::uint32_t cell, const Eigen::Vector3f& centre, std::uint32_t surfel,
                          std::vector<std::uint32_t>& out) {
     const float distance = (surfels.positions[surfel] - centre).squaredNorm();
-    if (distance > reach_squared) return;
-    std::uint32_t& holder = cells_[cell];
-    if (holder != k_none && (surfels.positions[holder] - centre).squaredNorm() <= distance) return;
-    holder = surfel;
+    if (distance >= best[cell]) return;
+    best[cell] = distance;
+    cells_[cell] = surfel;
     out.push_back(cell);
   };
   const auto centre_of = [&](int x, int y, int z) -> Eigen::Vector3f {
@@ -64,20 +64,26 @@ void NearestTable::fill(const Surfels& surfels, float reach_mm) {
     offer(static_cast<std::uint32_t>(at.x() + size_.x() * (at.y() + size_.y() * at.z())),
           centre_of(at.x(), at.y(), at.z()), i, wave);
   }
+  const int row = size_.x(), layer = size_.x() * size_.y();
   while (!wave.empty()) {
     next.clear();
     for (const std::uint32_t cell : wave) {
-      const int x = static_cast<int>(cell) % size_.x(), y = static_cast<int>(cell) / size_.x() % size_.y(),
-                z = static_cast<int>(cell) / (size_.x() * size_.y());
+      const int at = static_cast<int>(cell);
+      const int x = at % row, y = at / row % size_.y(), z = at / layer;
       const std::uint32_t surfel = cells_[cell];
-      constexpr std::array<std::array<int, 3>, 6> k_sides{
-          {{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}}};
-      for (const auto& [dx, dy, dz] : k_sides) {
-        const int nx = x + dx, ny = y + dy, nz = z + dz;
-        if (nx < 0 || ny < 0 || nz < 0 || nx >= size_.x() || ny >= size_.y() || nz >= size_.z()) continue;
-        offer(static_cast<std::uint32_t>(nx + size_.x() * (ny + size_.y() * nz)), centre_of(nx, ny, nz),
-              surfel, next);
-      }
+      const Eigen::Vector3f centre = centre_of(x, y, z);
+      const auto hand = [&](bool inside, int axis, float step_mm, int stride) {
+        if (!inside) return;
+        Eigen::Vector3f beside = centre;
+        beside[axis] += step_mm;
+        offer(static_cast<std::uint32_t>(at + stride), beside, surfel, next);
+      };
+      hand(x > 0, 0, -cell_mm, -1);
+      hand(x + 1 < size_.x(), 0, cell_mm, 1);
+      hand(y > 0, 1, -cell_mm, -row);
+      hand(y + 1 < size_.y(), 1, cell_mm, row);
+      hand(z > 0, 2, -cell_mm, -layer);
+      hand(z + 1 < size_.z(), 2, cell_mm, layer);
     }
     wave.swap(next);
   }

@@ -6,7 +6,9 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <numeric>
 #include <optional>
 
 #include "host/transfer/align/voxel_map.hpp"
@@ -57,19 +59,59 @@ void add_about(const Moments& part, const Eigen::Vector3f& centre, Moments& tota
   }
 }
 
-Moments neighbourhood(const VoxelMap& voxels, const std::vector<Moments>& moments, VoxelKey key,
-                      const Eigen::Vector3f& centre) {
-  Moments total;
-  for (int dz = -1; dz <= 1; ++dz) {
-    for (int dy = -1; dy <= 1; ++dy) {
-      for (int dx = -1; dx <= 1; ++dx) {
-        const std::int64_t at = voxels.find(VoxelGrid::neighbour(key, dx, dy, dz));
-        if (at >= 0) add_about(moments[static_cast<std::size_t>(at)], centre, total);
-      }
+/// Occupied voxels in the order of their keys: z, then y, then x.
+struct OrderedVoxels {
+  std::vector<VoxelKey> keys;
+  std::vector<Moments> moments;
+};
+
+OrderedVoxels ordered(const VoxelMap& voxels, const std::vector<Moments>& moments) {
+  std::vector<std::uint32_t> order(voxels.size());
+  std::iota(order.begin(), order.end(), 0U);
+  std::ranges::sort(order, {}, [&](std::uint32_t i) { return voxels.keys()[i]; });
+  OrderedVoxels sorted;
+  sorted.keys.reserve(order.size());
+  sorted.moments.reserve(order.size());
+  for (const std::uint32_t i : order) {
+    sorted.keys.push_back(voxels.keys()[i]);
+    sorted.moments.push_back(moments[i]);
+  }
+  return sorted;
+}
+
+/// Sums the moments of a voxel and its 26 neighbours, voxel after voxel in the order of the keys.  The
+/// neighbours stand in nine rows along x, and in each of them the place only moves on: no search.
+class Neighbourhoods {
+ public:
+  Neighbourhoods(const OrderedVoxels& voxels, std::size_t first) : voxels_{voxels} {
+    for (int row = 0; row < k_rows; ++row) {
+      const auto at = std::ranges::lower_bound(voxels.keys, row_begin(voxels.keys[first], row));
+      next_[static_cast<std::size_t>(row)] = static_cast<std::size_t>(at - voxels.keys.begin());
     }
   }
-  return total;
-}
+
+  /// Pre: `i` grows from call to call.
+  [[nodiscard]] Moments about(std::size_t i, const Eigen::Vector3f& centre) {
+    Moments total;
+    for (int row = 0; row < k_rows; ++row) {
+      const VoxelKey begin = row_begin(voxels_.keys[i], row), last = begin + 2;
+      std::size_t& at = next_[static_cast<std::size_t>(row)];
+      while (at < voxels_.keys.size() && voxels_.keys[at] < begin) ++at;
+      for (std::size_t k = at; k < voxels_.keys.size() && voxels_.keys[k] <= last; ++k)
+        add_about(voxels_.moments[k], centre, total);
+    }
+    return total;
+  }
+
+ private:
+  static constexpr int k_rows = 9;
+  static VoxelKey row_begin(VoxelKey key, int row) {
+    return VoxelGrid::neighbour(key, -1, row % 3 - 1, row / 3 - 1);
+  }
+
+  const OrderedVoxels& voxels_;
+  std::array<std::size_t, k_rows> next_{};
+};
 
 /// Across the surface that the points lie on; none where they are too few or strewn.
 std::optional<Eigen::Vector3f> normal_of(const Moments& around) {
@@ -141,17 +183,19 @@ Surfels surfels_of(std::span<const Eigen::Vector3f> points, float pitch_mm) {
     moments[at].add(point);
   }
 
+  const OrderedVoxels sorted = ordered(voxels, moments);
   Surfels surfels{.pitch_mm = pitch_mm};
   surfels.positions.reserve(voxels.size());
   surfels.normals.reserve(voxels.size());
   std::vector<std::optional<Eigen::Vector3f>> normals(voxels.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>{0, voxels.size(), 256}, [&](const auto& range) {
+  tbb::parallel_for(tbb::blocked_range<std::size_t>{0, voxels.size(), 1024}, [&](const auto& range) {
+    Neighbourhoods around{sorted, range.begin()};
     for (std::size_t i = range.begin(); i < range.end(); ++i)
-      normals[i] = normal_of(neighbourhood(voxels, moments, voxels.keys()[i], moments[i].mean()));
+      normals[i] = normal_of(around.about(i, sorted.moments[i].mean()));
   });
   for (std::size_t i = 0; i < voxels.size(); ++i) {
     if (!normals[i]) continue;
-    surfels.positions.push_back(moments[i].mean());
+    surfels.positions.push_back(sorted.moments[i].mean());
     surfels.normals.push_back(*normals[i]);
   }
   turn_outward(surfels);

@@ -13,18 +13,21 @@
 #include <string>
 
 #include "host/bite_line/evaluation/reference_surface.hpp"
+#include "host/cloud/ply.hpp"
 #include "host/robot/path/plan.hpp"
 #include "host/transfer/align/icp.hpp"
 #include "host/transfer/carry/scan_mesh.hpp"
 #include "host/transfer/transfer.hpp"
 #include "tests/bench/transfer/peers.hpp"
 #include "tests/support/made_pair.hpp"
+#include "tests/support/shared_data.hpp"
 
 namespace biteline::bench {
 namespace {
 
 constexpr int k_rounds = 5;
-constexpr float k_pitch_mm = 1.5F;  // the peers' voxels are 2 mm, as in their published figures
+// The product's own, and a finer one; the peers' voxels are 2 mm, as in their published figures.
+constexpr float k_shipped_pitch_mm = 2, k_fine_pitch_mm = 1.5F;
 
 void row(const char* bench, const std::string& what, double ours, const char* unit, const char* peer,
          double peer_value, double target) {
@@ -71,11 +74,10 @@ Error error_of(const SE3& T_found, const SE3& T_true, const Vec3& centre) {
           .deg = geometry::angle_between_rad(T_found.linear(), T_true.linear()) * 57.29577951308232};
 }
 
-SE3 our_align(std::span<const Eigen::Vector3f> source_points,
-              std::span<const Eigen::Vector3f> target_points) {
+SE3 our_align(std::span<const Eigen::Vector3f> source_points, std::span<const Eigen::Vector3f> target_points,
+              float pitch_mm) {
   using namespace transfer;
-  const Surfels source = surfels_of(source_points, k_pitch_mm),
-                target = surfels_of(target_points, k_pitch_mm);
+  const Surfels source = surfels_of(source_points, pitch_mm), target = surfels_of(target_points, pitch_mm);
   const Surfels source_coarse = coarsened(source, 8), target_coarse = coarsened(target, 8);
   const NearestTable coarse_table{target_coarse, 30}, table{target, 5};
   const IcpResult coarse =
@@ -86,58 +88,100 @@ SE3 our_align(std::span<const Eigen::Vector3f> source_points,
       .placement.T_target_source;
 }
 
-void registration_rows() {
+/// Points of the same surface, 100 000 of each at most; the source lacks a part of its length.
+struct Halves {
+  std::string name;
+  std::vector<Eigen::Vector3f> source, target;
+};
+
+/// The halves of a cloud share no point, and each point has a noise of its own.
+Halves halves_of(const std::string& name, std::vector<Eigen::Vector3f> points) {
+  constexpr float k_noise_mm = 0.02F, k_missing_share = 0.2F;
+  std::mt19937_64 random{3};
+  std::normal_distribution<float> noise{0, k_noise_mm};
+  std::shuffle(points.begin(), points.end(), random);
+  float low = points.front().x(), high = low;
+  for (Eigen::Vector3f& p : points) {
+    p += Eigen::Vector3f{noise(random), noise(random), noise(random)};
+    low = std::min(low, p.x());
+    high = std::max(high, p.x());
+  }
+  const auto middle = points.begin() + static_cast<std::ptrdiff_t>(points.size() / 2);
+  std::vector<Eigen::Vector3f> source{points.begin(), middle};
+  std::erase_if(source,
+                [&](const Eigen::Vector3f& p) { return p.x() < low + k_missing_share * (high - low); });
+  return {.name = name,
+          .source = subset(std::move(source), 100'000, 2),
+          .target = subset({middle, points.end()}, 100'000, 1)};
+}
+
+Halves made_halves() {
   const sim::ShoeParameters shoe = sim::draw_shoe(sim::ShoeClass::Stitched, 5);
   const sim::ScanSettings first{.seed = 1}, second{.profile_step_mm = 0.9, .seed = 2};
-  std::vector<Eigen::Vector3f> target =
-      subset(test::scanned(shoe, SE3::Identity(), first).points, 100'000, 1);
-  // The source lacks its heel, lies 8 mm and 6 degrees off.
-  Twist xi;
-  xi << 5, -5, 3, 0.03, -0.02, 0.09;
-  const SE3 T_target_source = geometry::exp_se3(xi);
   std::vector<Eigen::Vector3f> all = test::scanned(shoe, SE3::Identity(), second).points;
   std::erase_if(all, [](const Eigen::Vector3f& p) { return p.x() < 60; });
-  std::vector<Eigen::Vector3f> source = subset(all, 100'000, 2);
+  return {.name = "made shoe",
+          .source = subset(std::move(all), 100'000, 2),
+          .target = subset(test::scanned(shoe, SE3::Identity(), first).points, 100'000, 1)};
+}
+
+/// `halves.source` lies 8 mm and 6 degrees off.
+void registration_rows(Halves halves) {
+  Twist xi;
+  xi << 5, -5, 3, 0.03, -0.02, 0.09;
   Vec3 centre = Vec3::Zero();
-  for (Eigen::Vector3f& p : source) {
-    p = (T_target_source.inverse() * p.cast<double>()).cast<float>();
-    centre += p.cast<double>() / static_cast<double>(source.size());
-  }
+  for (const Eigen::Vector3f& p : halves.source)
+    centre += p.cast<double>() / static_cast<double>(halves.source.size());
+  // Turned about its own middle: clouds of other hands lie anywhere.
+  SE3 T_middle = SE3::Identity();
+  T_middle.translation() = centre;
+  const SE3 T_target_source = T_middle * geometry::exp_se3(xi) * T_middle.inverse();
+  centre = T_target_source.inverse() * centre;
+  for (Eigen::Vector3f& p : halves.source) p = (T_target_source.inverse() * p.cast<double>()).cast<float>();
 
   const tbb::global_control one_thread{tbb::global_control::max_allowed_parallelism, 1};
-  SE3 T_ours, T_peer;
-  const double ours_s = seconds(true, [&] { T_ours = our_align(source, target); });
-  const Error ours = error_of(T_ours, T_target_source, centre);
-  const auto beside = [&](const char* peer, double peer_s) {
-    const Error error = error_of(T_peer, T_target_source, centre);
-    row("registration.speed",
-        "2 x 100 000 points, a part missing, one thread; surfels of 1.5 mm, the peer's voxels of 2 mm",
-        ours_s, "s", peer, peer_s, 0.5);
-    row("registration.translation", "same, error at the centre", ours.mm, "mm", peer, error.mm, 1);
-    row("registration.rotation", "same", ours.deg, "deg", peer, error.deg, 1);
-  };
-  const peers::Problem problem{.source = source, .target = target};
-  if (peers::has_pcl()) {
-    const double pcl_s = seconds(true, [&] { T_peer = peers::pcl_align(problem); });
-    beside("PCL", pcl_s);
+  const std::string what = halves.name + ", 2 x 100 000 points, a part missing, one thread";
+  for (const float pitch_mm : {k_shipped_pitch_mm, k_fine_pitch_mm}) {
+    SE3 T_ours, T_peer;
+    const double ours_s = seconds(true, [&] { T_ours = our_align(halves.source, halves.target, pitch_mm); });
+    const Error ours = error_of(T_ours, T_target_source, centre);
+    char pitch[40];
+    std::snprintf(pitch, sizeof pitch, ", surfels of %.1f mm", static_cast<double>(pitch_mm));
+    const auto beside = [&](const char* peer, double peer_s) {
+      const Error error = error_of(T_peer, T_target_source, centre);
+      row("registration.speed", what + pitch + ", the peer's voxels of 2 mm", ours_s, "s", peer, peer_s, 0.5);
+      row("registration.translation", halves.name + pitch + ", error at the centre", ours.mm, "mm", peer,
+          error.mm, 1);
+      row("registration.rotation", halves.name + pitch, ours.deg, "deg", peer, error.deg, 1);
+    };
+    const peers::Problem problem{.source = halves.source, .target = halves.target};
+    if (peers::has_pcl()) {
+      const double pcl_s = seconds(true, [&] { T_peer = peers::pcl_align(problem); });
+      beside("PCL", pcl_s);
+    }
+    if (peers::has_open3d()) {
+      const double open3d_s = seconds(true, [&] { T_peer = peers::open3d_align(problem); });
+      beside("Open3D", open3d_s);
+    }
+    if (peers::has_small_gicp()) {
+      const double small_gicp_s = seconds(true, [&] { T_peer = peers::small_gicp_align(problem); });
+      beside("small_gicp", small_gicp_s);
+    }
+    if (!peers::has_pcl() && !peers::has_open3d() && !peers::has_small_gicp())
+      row("registration.speed", what + pitch + "; no peer in this build (BITELINE_SMALL_GICP, a checkout)",
+          ours_s, "s", nullptr, 0, 0);
   }
-  if (peers::has_open3d()) {
-    const double open3d_s = seconds(true, [&] { T_peer = peers::open3d_align(problem); });
-    beside("Open3D", open3d_s);
+}
+
+/// A made shoe, and shapes of other hands where they are.
+void all_registration_rows() {
+  registration_rows(made_halves());
+  for (const char* shape : {"s31_leather_hightop", "s33_canvas_hightop", "s34_trail_scan"}) {
+    const auto file = test::shared_data("shoes/" + std::string{shape} + "/cloud.ply");
+    if (!file) continue;
+    auto cloud = cloud::read_cloud(*file);
+    if (cloud) registration_rows(halves_of(shape, std::move(cloud->points)));
   }
-  if (peers::has_small_gicp()) {
-    const double small_gicp_s = seconds(true, [&] { T_peer = peers::small_gicp_align(problem); });
-    beside("small_gicp", small_gicp_s);
-  }
-  const auto alone = [&](const char* peer) {
-    row("registration.speed",
-        std::string{"2 x 100 000 points, a part missing, one thread; not in this build: "} + peer, ours_s,
-        "s", nullptr, 0, 0);
-  };
-  if (!peers::has_pcl()) alone("PCL");
-  if (!peers::has_open3d()) alone("Open3D");
-  if (!peers::has_small_gicp())
-    alone("small_gicp (configure with BITELINE_SMALL_GICP, the path of its checkout)");
 }
 
 /// As many points as the bar names: those beyond are left out, the scan's last ones.
@@ -221,6 +265,6 @@ void surface_rows() {
 }  // namespace biteline::bench
 
 int main() {
-  biteline::bench::registration_rows();
+  biteline::bench::all_registration_rows();
   biteline::bench::surface_rows();
 }
