@@ -26,7 +26,12 @@ Result<std::unique_ptr<Cockpit>> Cockpit::open(const CockpitConfig& config) {
 }
 
 Cockpit::Cockpit(CockpitConfig config, memory::Memory memory)
-    : config_{std::move(config)}, memory_{std::move(memory)}, accounts_{memory_}, cycle_{config_.jobs} {
+    : config_{std::move(config)},
+      memory_{std::move(memory)},
+      accounts_{memory_},
+      stops_{config_.stops != nullptr ? *config_.stops : own_stops_},
+      cycle_{config_.jobs},
+      go_{stops_.now()} {
   process_ = config_.process;
   paused_ = cycle_.on_demand();
 }
@@ -180,12 +185,19 @@ void Cockpit::hear(const Result<robot::ur::ControllerWords>& words, const std::s
   publish_state();
 }
 
-void Cockpit::begin_cycle() {
+robot::StopMark Cockpit::going() const {
   const std::lock_guard lock{mutex_};
+  return go_;
+}
+
+std::optional<robot::StopMark> Cockpit::begin_cycle() {
+  const std::lock_guard lock{mutex_};
+  if (paused_ || go_.stopped()) return std::nullopt;
   const Clock::time_point now = Clock::now();
   if (cycle_begun_) last_cycle_s_ = std::chrono::duration<double>(now - *cycle_begun_).count();
   cycle_begun_ = now;
   if (cycle_.on_demand()) paused_ = true;
+  return go_;
 }
 
 double Cockpit::cycle_s() const {

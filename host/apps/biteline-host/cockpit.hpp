@@ -17,6 +17,7 @@
 #include "host/doors/api/words.hpp"
 #include "host/doors/control/server.hpp"
 #include "host/doors/line_control/cycle.hpp"
+#include "host/robot/link/gate/stops.hpp"
 #include "host/robot/link/ur/controller_words.hpp"
 
 namespace biteline::service {
@@ -36,6 +37,7 @@ struct CockpitConfig {
   std::optional<wire::Endpoint> endpoint;  ///< where doors come in; nothing: none do
   std::optional<wire::SensorKeys> keys;
   std::vector<line_control::Job> jobs;  ///< of the line's control; with any, each start is one scan
+  robot::Stops* stops{nullptr};         ///< that the process counts, too; nothing: the cockpit's own
 };
 
 /// In the memory's settings: "yes" while every scan waits for a person.
@@ -81,9 +83,10 @@ class Cockpit final : public api::Cell {
   [[nodiscard]] const std::string& address() const { return address_; }
 
   [[nodiscard]] std::optional<Wish> next_wish();
-  /// An arm that follows looks at it.  Set by a stop of any kind, cleared by the next start.
-  [[nodiscard]] const std::atomic<bool>& halted() const { return halted_; }
-  void halt() { halted_ = true; }
+  /// As a stop that no person said.
+  void halt() { stops_.stop(); }
+  /// Of the last start that was taken; of the service's own until there is one.
+  [[nodiscard]] robot::StopMark going() const;
   /// No new scan is asked for.
   [[nodiscard]] bool paused() const { return paused_; }
   /// A person wants to see this scan before it is sent.
@@ -102,8 +105,8 @@ class Cockpit final : public api::Cell {
   /// What the controller says of itself, or why it says nothing; `wrong`: what to do first.
   void hear(const Result<robot::ur::ControllerWords>& words, const std::string& wrong);
   /// A cycle goes from one asking for a scan to the next.  On demand this scan is the last until the next
-  /// start.
-  void begin_cycle();
+  /// start.  The mark of the start that it comes of; nothing: somebody has said stop, no scan is asked for.
+  [[nodiscard]] std::optional<robot::StopMark> begin_cycle();
   /// On demand, and nobody has started.
   [[nodiscard]] bool waits_for_start() const;
   /// The scan that was asked for does not come: the next one waits for a start.
@@ -188,13 +191,15 @@ class Cockpit final : public api::Cell {
   accounts::Accounts accounts_;
   std::unique_ptr<api::Api> api_;
   std::string address_;
-  std::atomic<bool> halted_{false};
+  robot::Stops own_stops_;
+  robot::Stops& stops_;
   std::atomic<bool> paused_{false};
 
   std::mutex words_mutex_;  ///< taken before mutex_
   mutable std::mutex mutex_;
   line_control::Cycle cycle_;
   bool stopped_{false};  ///< by a person
+  robot::StopMark go_;   ///< of the last start
   std::deque<Wish> wishes_;
   std::string hold_wanted_;
   bool hold_all_{false};   ///< of the job that a person started

@@ -8,13 +8,13 @@
 namespace biteline::service {
 
 void Cockpit::stop(const std::string& who) {
-  halted_ = true;
+  stops_.stop();
   pause_by_person();
   wish({.kind = Wish::Kind::Stop, .scan = {}, .who = who, .why = {}});
 }
 
 void Cockpit::laser_off(const std::string& who) {
-  halted_ = true;
+  stops_.stop();
   pause_by_person();
   wish({.kind = Wish::Kind::LaserOff, .scan = {}, .who = who, .why = {}});
 }
@@ -81,8 +81,11 @@ void Cockpit::hold_all_locked(bool hold) {
 }
 
 void Cockpit::go(const api::Job& job, const std::string& who) {
-  halted_ = false;
-  paused_ = false;
+  {
+    const std::lock_guard lock{mutex_};
+    go_ = stops_.now();
+    paused_ = false;
+  }
   wish({.kind = Wish::Kind::Start, .scan = {}, .who = who, .why = {}, .job = job});
 }
 
@@ -115,9 +118,9 @@ Result<void> Cockpit::rescan(const Rescan& order) {
     cycle_.begin(0);
     stopped_ = false;
     hold_all_locked(order.hold);
+    go_ = stops_.now();
+    paused_ = false;
   }
-  halted_ = false;
-  paused_ = false;
   wish({.kind = Wish::Kind::Rescan, .scan = {}, .who = order.who, .why = order.why});
   if (!order.hold) static_cast<void>(keep_hold(false, order.who));
   return {};
@@ -187,7 +190,6 @@ Result<void> Cockpit::decide(const api::Decision& decision) {
                                         .after = decision.why}));
   if (held && decision.kind != Hold) {
     hold("");
-    if (sends) halted_ = false;
     if (!sends) end_cycle(*scan);
     wish({.kind = sends ? Wish::Kind::Send : Wish::Kind::Reject,
           .scan = decision.scan,
@@ -254,7 +256,6 @@ Result<void> Cockpit::run_in_air(const std::string& scan, const std::string& who
       return fail(Errc::WrongState, "%s has no checked path yet; choose its process, or its model",
                   scan.c_str());
     BITELINE_TRY(take_held_locked(scan));
-    halted_ = false;
   }
   wish({.kind = Wish::Kind::Air, .scan = scan, .who = who, .why = {}});
   return {};

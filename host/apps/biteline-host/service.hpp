@@ -66,7 +66,8 @@ class Service {
     bool one_connection{false};              ///< it ended on the same
     std::optional<HostClock::time_point> ended{};
     Chosen chosen{};
-    bool drifted{false};  ///< the calibration has, as this scan and those before it show
+    robot::StopMark mark{};  ///< of the start that it comes of
+    bool drifted{false};     ///< the calibration has, as this scan and those before it show
     /// What this scan shows of it, looked at meanwhile; none: not yet, or no more.
     std::future<Result<drift::Evidence>> calibration{};
     bool calibration_checked{false};
@@ -194,13 +195,14 @@ class Service {
   std::unique_ptr<Cockpit> cockpit_;
   std::deque<std::filesystem::path> unfinished_;  ///< folders, still to be taken up
   std::unique_ptr<intake::SensorLink> link_;
-  std::optional<Scan> scan_;        ///< coming in
-  int links_{0};                    ///< opened to the sensor so far
-  bool sensor_idle_{false};         ///< it waits to be asked for a scan
-  std::vector<Wish> later_{};       ///< of what is held, until the result's thread has ended
-  bool told_held_{false};           ///< doors know that a scan waits
-  std::optional<Held> held_;        ///< by the result's thread; read when that is done
-  std::optional<Unnamed> unnamed_;  ///< the same
+  std::optional<Scan> scan_;                ///< coming in
+  int links_{0};                            ///< opened to the sensor so far
+  bool sensor_idle_{false};                 ///< it waits to be asked for a scan
+  std::optional<robot::StopMark> asked_{};  ///< for a scan that has neither begun nor been refused
+  std::vector<Wish> later_{};               ///< of what is held, until the result's thread has ended
+  bool told_held_{false};                   ///< doors know that a scan waits
+  std::optional<Held> held_;                ///< by the result's thread; read when that is done
+  std::optional<Unnamed> unnamed_;          ///< the same
   std::optional<intake::ChildProcess> web_;
   HostClock::time_point web_started_{};
   HostClock::time_point robot_asked_{};

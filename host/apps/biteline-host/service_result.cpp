@@ -276,7 +276,8 @@ Result<ExitStatus> Service::work_out_path(Scan& scan, const intake::ScanOutcome&
                    .confidence = line.confidence,
                    .approved = {},
                    .scan_ended = scan.recovered ? std::nullopt : scan.ended,
-                   .mounted = taught};
+                   .mounted = taught,
+                   .mark = scan.mark};
   if (options_.stop_on_drift) check_own_calibration(scan, outcome);
   const bool drift_stops = scan.drifted && options_.stop_on_drift;
   const bool hold = cockpit_->wants_hold(name);
@@ -314,8 +315,7 @@ Result<ExitStatus> Service::work_out_path(Scan& scan, const intake::ScanOutcome&
   cockpit_->show(Phase::Following, "the arm follows the line of " + name, "the next scan");
   BITELINE_ASSIGN(send.mounted, mounted());
   look_at_own_calibration(scan, outcome);
-  return follow_path(scan.folder, plan, send, cockpit_->halted(),
-                     [&] { return line.pages.write(outcome.cloud); });
+  return follow_path(scan.folder, plan, send, [&] { return line.pages.write(outcome.cloud); });
 }
 
 Result<ExitStatus> Service::plan_anew(Held& held) {
@@ -396,7 +396,7 @@ Result<ExitStatus> Service::send_held(Held held, const robot::Word& word) {
   held.request.holds_arm = holds_arm();
   const Result<ExitStatus> status = without_exceptions([&]() -> Result<ExitStatus> {
     BITELINE_ASSIGN(held.request.mounted, mounted());
-    return follow_path(held.folder, held.plan, held.request, cockpit_->halted());
+    return follow_path(held.folder, held.plan, held.request);
   });
   end_recording(held.intake, ExitStatus::Done);
   remember(held.folder, "accepted", held.chosen);

@@ -52,9 +52,12 @@ Result<void> Service::hear_sensor() {
       if (meanwhile) BITELINE_TRY(on_event(*meanwhile));
       return {};
     }
-    sensor_idle_ = false;
-    cockpit_->begin_cycle();
-    link_->command({.id = k_start_id, .command = wire::Command::StartScan});
+    // A stop that came while the robot was asked is one.
+    if (const std::optional<robot::StopMark> mark = cockpit_->begin_cycle()) {
+      sensor_idle_ = false;
+      asked_ = mark;
+      link_->command({.id = k_start_id, .command = wire::Command::StartScan});
+    }
   }
   BITELINE_ASSIGN(const std::optional<intake::LinkEvent> event,
                   link_->next(result_.valid() ? k_wait : k_turn));
@@ -130,6 +133,8 @@ void Service::hold_scan(const fs::path& folder, intake::ScanIntake intake) {
   cockpit_->show_scan(folder.filename().string());
   cockpit_->show(Phase::Scanning, folder.filename().string() + " comes in", "its line");
   scan_.emplace(Scan{.folder = folder, .intake = std::move(intake), .line = {}, .connection = connection()});
+  scan_->mark = asked_ ? *asked_ : cockpit_->going();
+  asked_.reset();
   if (carrier_) return;
   scan_->line = std::make_unique<intake::LiveLine>(bite_line::Config{});
   scan_->line->add_profiles(scan_->intake.cloud(), scan_->intake.poses());

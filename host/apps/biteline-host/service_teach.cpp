@@ -72,7 +72,7 @@ Result<ExitStatus> Service::run_in_air(Held held, const robot::Word& word) {
     send.approved = word;
     send.holds_arm = holds_arm();
     BITELINE_ASSIGN(send.mounted, mounted());
-    return follow_path(folder, plan, send, cockpit_->halted());
+    return follow_path(folder, plan, send);
   });
   if (!status) {
     // Else whoever asked for it would wait for its outcome.

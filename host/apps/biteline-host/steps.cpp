@@ -385,20 +385,25 @@ bool needs_a_person(const path::GateLimits& limits, double confidence) {
 }
 
 Result<ExitStatus> follow_path(const fs::path& folder, const PlanStep& plan, const SendRequest& request,
-                               const std::atomic<bool>& stop, std::function<Result<void>()> meanwhile) {
+                               std::function<Result<void>()> meanwhile) {
   robot::GateInputs inputs = gate_inputs(plan, request);
   inputs.scan.sent_before = sent_before(folder);
+  inputs.scan.stopped = request.mark.stopped();
   if (scan_fails(robot::judge(inputs))) return say_refused(folder, inputs);
+  const auto stopped = [&] {
+    inputs.scan.stopped = true;
+    return say_refused(folder, inputs);
+  };
 
   BITELINE_ASSIGN(const std::unique_ptr<robot::ur::UrLink> link, open_robot(request.controller));
-  BITELINE_ASSIGN(
-      const robot::RobotState still,
-      robot::wait_until_still(
-          *link, {.turn_rad = robot::k_ringing_rad, .move_mm = robot::k_ringing_mm, .stop = &stop}));
+  const Result<robot::RobotState> still = robot::wait_until_still(
+      *link, {.turn_rad = robot::k_ringing_rad, .move_mm = robot::k_ringing_mm, .mark = request.mark});
+  if (request.mark.stopped()) return stopped();
+  if (!still) return tl::unexpected<Error>{still.error()};
   const path::CollisionModel collisions{plan.request.arm, plan.request.process.tool,
                                         plan.outcome.surroundings};
   const path::WayThere way =
-      path::find_way_there(still.q_rad, *plan.outcome.path, plan.request.arm, collisions);
+      path::find_way_there(still->q_rad, *plan.outcome.path, plan.request.arm, collisions);
   if (!way.path) say_step("%s comes as near as %.1f mm", way.check.detail.c_str(), way.check.value);
   BITELINE_ASSIGN(const robot::ur::Endpoint dashboard, dashboard_of(request.controller));
   BITELINE_ASSIGN(const robot::ur::ControllerWords words,
@@ -412,9 +417,11 @@ Result<ExitStatus> follow_path(const fs::path& folder, const PlanStep& plan, con
   inputs.arm.told_model = words.model;
   inputs.arm.told_serial = words.serial;
   inputs.arm.told_remote = words.remote;
-  inputs.arm.q_checked_rad = still.q_rad;
+  inputs.arm.q_checked_rad = still->q_rad;
   inputs.arm.q_now_rad = now.q_rad;
-  const robot::GateOutcome gate = robot::open_gate(inputs, way.path ? *way.path : *plan.outcome.path);
+  inputs.scan.stopped = request.mark.stopped();
+  const robot::GateOutcome gate =
+      robot::open_gate(inputs, way.path ? *way.path : *plan.outcome.path, request.mark);
   if (!gate.path) return say_refused(folder, inputs);
   // Before anything moves: a decision that cannot be kept is none.
   BITELINE_TRY(robot::write_gate(folder / k_gate_file, inputs));
@@ -423,8 +430,9 @@ Result<ExitStatus> follow_path(const fs::path& folder, const PlanStep& plan, con
   robot::FollowReport followed;
   std::future<Result<void>> beside = begin_beside_arm(std::move(meanwhile));
   const Result<void> done =
-      robot::follow(*link, *gate.path, {.limits = plan.request.process.follow, .stop = &stop}, followed);
+      robot::follow(*link, *gate.path, {.limits = plan.request.process.follow}, followed);
   if (const Result<void> written = beside.get(); !written) complain(written.error());
+  if (!followed.sent && request.mark.stopped()) return stopped();
   // As far as it went, also when it was stopped.
   BITELINE_TRY(write_followed(folder, followed));
   BITELINE_TRY(results::write_tracking(folder / "path", plan.request, plan.outcome, followed.track));

@@ -3,7 +3,6 @@
 /// \file What is done with a scan, step by step.  Each step writes its own result and tells it in one line on
 /// stdout.
 
-#include <atomic>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -115,15 +114,17 @@ struct SendRequest {
   std::optional<robot::Word> approved{};  ///< a person's, on this result
   std::optional<HostClock::time_point> scan_ended{};
   path::Mounted mounted{};  ///< as it is taught when the path is sent
+  robot::StopMark mark{};   ///< of the order that the scan came of
 };
 
 /// Where the arm stands, checks its way to the path from there, asks the controller about itself, opens the
 /// gate (gate.json), sends the path, watches the arm follow: followed.json, track.csv, and the track in
-/// path/tracking.html.  The arm is stopped when it leaves the process's limits and when `stop` is set.
+/// path/tracking.html.  The arm is stopped when it leaves the process's limits and when somebody says stop; a
+/// stop before the sending is the gate's no.
 /// `meanwhile` runs beside the arm's motion, at the least priority; what fails in it is told.
 /// Pre: the plan has a path.
 [[nodiscard]] Result<ExitStatus> follow_path(const std::filesystem::path& folder, const PlanStep& plan,
-                                             const SendRequest& request, const std::atomic<bool>& stop,
+                                             const SendRequest& request,
                                              std::function<Result<void>()> meanwhile = {});
 
 /// What the controller says about itself before a scan, on stdout too; and whether the arm stands, so that no

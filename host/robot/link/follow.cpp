@@ -24,10 +24,6 @@ double seconds_since(HostClock::time_point instant) {
   return seconds(std::chrono::duration_cast<Nanoseconds>(now) - instant.time_since_epoch());
 }
 
-bool is_set(const std::atomic<bool>* flag) {
-  return flag != nullptr && flag->load();
-}
-
 /// The code that tells what kind of thing stopped the arm: the exit status follows from it.
 Errc errc_of(Halt halt) {
   switch (halt) {
@@ -60,12 +56,13 @@ Errc errc_of(Halt halt) {
 /// Watches one run, state by state.
 class Run {
  public:
-  Run(RobotLink& link, const path::CheckedPath& path, const FollowOptions& options, const RobotState& from)
+  Run(RobotLink& link, const PermittedPath& permitted, const FollowOptions& options, const RobotState& from)
       : link_{link},
         options_{options},
-        watch_{path.path(), options.limits, from},
-        longest_s_{options.way_there_rad / path.path().motion.way_there_rad_s +
-                   path.duration_s() / options.slowest_ratio},
+        mark_{permitted.mark()},
+        watch_{permitted.path().path(), options.limits, from},
+        longest_s_{options.way_there_rad / permitted.path().path().motion.way_there_rad_s +
+                   permitted.path().duration_s() / options.slowest_ratio},
         unusable_{link.status().unusable_states},
         sent_{from.received},
         newest_{from} {}
@@ -74,7 +71,7 @@ class Run {
   std::optional<HaltReason> watch(FollowReport& report) {
     while (true) {
       const Result<RobotState> state = link_.wait_newer(newest_.sequence, k_look);
-      if (is_set(options_.stop)) return HaltReason{Halt::Person, "the service was told to stop"};
+      if (mark_.stopped()) return HaltReason{Halt::Person, "the service was told to stop"};
       if (link_.remote_control() == false)
         return HaltReason{Halt::LocalControl, "the controller was put into local control"};
       if (auto deaf = look_at_link(state)) return deaf;
@@ -128,6 +125,7 @@ class Run {
 
   RobotLink& link_;
   const FollowOptions& options_;
+  const StopMark mark_;
   PathWatch watch_;
   double longest_s_;
   std::uint64_t unusable_;
@@ -197,7 +195,8 @@ Result<RobotState> wait_until_still(const RobotLink& link, const StillOptions& o
   const RobotState first = state;
   RobotState still_since = state;
   while (between_s(still_since, state) < options.still_s) {
-    if (is_set(options.stop)) return fail(Errc::Refused, "robot: the service was told to stop");
+    if (options.mark && options.mark->stopped())
+      return fail(Errc::Refused, "robot: the service was told to stop");
     if (seconds(state.received - first.received) > options.patience_s) {
       return fail(Errc::Timeout, "robot: it still moves, or its states come late, after %.0f s",
                   options.patience_s);
@@ -217,11 +216,12 @@ Result<void> follow(RobotLink& link, const PermittedPath& permitted, const Follo
   const path::CheckedPath& path = permitted.path();
   BITELINE_ASSIGN(const RobotState from, link.latest());
   link.start_recording();
-  Run run{link, path, options, from};
+  Run run{link, permitted, options, from};
   if (const Result<void> sent = link.send(permitted); !sent) {
     static_cast<void>(link.take_recording());
     return sent;
   }
+  report.sent = true;
   report.halt = run.watch(report);
   if (report.halt) stop_arm(link, options, report);
   fill(report, link.take_recording(), path);

@@ -57,7 +57,7 @@ class RobotLink {
   [[nodiscard]] virtual Result<RobotState> wait_newer(std::uint64_t sequence, Nanoseconds patience) const = 0;
 
   /// Starts the path's program.  Takes nothing but a path that the gate let through, and only while the arm
-  /// stands where the gate saw it.
+  /// stands where the gate saw it and nobody has said stop since the path's order.
   [[nodiscard]] virtual Result<void> send(const PermittedPath& path) = 0;
   /// Ends the running program, the arm brakes, and switches off the output that the sent path switches on.
   [[nodiscard]] virtual Result<void> stop() = 0;

@@ -102,7 +102,7 @@ TEST_GROUP(FollowFaults) {
   const path::CheckedPath& path = test::planned_path("grind.yaml");
   kinematics::Joints home_rad =
       path.path().waypoints.front().q_rad + (kinematics::Joints() << 0.6, -0.2, 0.1, 0, 0.2, -0.3).finished();
-  std::atomic<bool> stop{false};
+  Stops said;
   path::FollowLimits limits{};
 
   /// The arm follows at the plan's speed times `pace`; what is sent goes through `lie`.
@@ -141,7 +141,7 @@ TEST_GROUP(FollowFaults) {
     CHECK_TEXT(link.has_value(), link ? "" : to_line(link.error()).c_str());
     Played out;
     out.followed =
-        follow(**link, test::permitted(path, home_rad), {.limits = limits, .stop = &stop}, out.report);
+        follow(**link, test::permitted(path, home_rad, said.now()), {.limits = limits}, out.report);
     out.returned = FakeController::Clock::now();
     // The stop program is written last, and read a cycle later.
     for (int i = 0; i < 1000 && out.report.halt && out.report.halt->code != Halt::NotCovered &&
@@ -358,7 +358,7 @@ ORDINARY_TIMED_TEST(FollowFaults, LocalControlStopsTheArm) {
 }
 
 ORDINARY_TIMED_TEST(FollowFaults, StopFromOutsideStopsTheArm) {
-  stops("the service is told to stop", Halt::Person, from(0.22, [this](PlayedState&) { stop = true; }));
+  stops("the service is told to stop", Halt::Person, from(0.22, [this](PlayedState&) { said.stop(); }));
 }
 
 TEST(FollowFaults, ProgramThatEndsEarlyOrLeavesPartsOutIsNotDone) {

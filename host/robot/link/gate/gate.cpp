@@ -51,6 +51,9 @@ void add_scan_rows(const GateInputs& inputs, std::vector<GateRow>& rows) {
                   when((scan.one_connection && scan.scan_id != 0) || vouched)});
   rows.push_back(
       {Refused::SentBefore, "sent before", scan.sent_before ? "yes" : "no", "no", when(!scan.sent_before)});
+  if (scan.stopped)
+    rows.push_back({Refused::Stopped, "stopped since the scan was ordered", *scan.stopped ? "yes" : "no",
+                    "no", when(!*scan.stopped)});
   rows.push_back({Refused::MessagesLost, "messages lost",
                   text("%llu", static_cast<unsigned long long>(scan.messages_lost)), "0",
                   when(scan.messages_lost == 0)});
@@ -172,8 +175,8 @@ void add_arm_rows(const GateInputs& inputs, std::vector<GateRow>& rows) {
 }  // namespace
 
 struct Gatekeeper {
-  static PermittedPath permit(const path::CheckedPath& path, const GateInputs& inputs) {
-    return PermittedPath{path, inputs};
+  static PermittedPath permit(const path::CheckedPath& path, const GateInputs& inputs, const StopMark& mark) {
+    return PermittedPath{path, inputs, mark};
   }
 };
 
@@ -219,9 +222,9 @@ bool PermittedPath::holds_for(const kinematics::Joints& q_rad) const {
   return q_rad.allFinite() && (q_rad - from_rad_).cwiseAbs().maxCoeff() <= start_rad_;
 }
 
-GateOutcome open_gate(const GateInputs& inputs, const path::CheckedPath& path) {
+GateOutcome open_gate(const GateInputs& inputs, const path::CheckedPath& path, const StopMark& mark) {
   GateOutcome outcome{.rows = judge(inputs), .path = std::nullopt};
-  if (passed(outcome.rows)) outcome.path = Gatekeeper::permit(path, inputs);
+  if (passed(outcome.rows)) outcome.path = Gatekeeper::permit(path, inputs, mark);
   return outcome;
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "host/robot/link/gate/refused.hpp"
+#include "host/robot/link/gate/stops.hpp"
 #include "host/robot/path/checks/checked_path.hpp"
 
 namespace biteline::robot {
@@ -35,6 +36,7 @@ struct ScanFacts {
   std::uint64_t messages_lost{0};
   LostInARow lost;
   bool sent_before{false};
+  std::optional<bool> stopped{};  ///< since the scan was ordered; nothing: of a gate that did not look
   std::optional<Word> confirmed{};
 };
 
@@ -93,12 +95,19 @@ class PermittedPath {
   [[nodiscard]] const path::CheckedPath& path() const { return path_; }
   /// The arm must not have moved since the check, right up to the sending.
   [[nodiscard]] bool holds_for(const kinematics::Joints& q_rad) const;
+  /// Of the order that it follows from: nobody must have said stop since, right up to the sending, nor while
+  /// the arm follows.
+  [[nodiscard]] const StopMark& mark() const { return mark_; }
 
  private:
   friend struct Gatekeeper;
-  PermittedPath(path::CheckedPath path, const GateInputs& inputs)
-      : path_{std::move(path)}, from_rad_{inputs.arm.q_checked_rad}, start_rad_{inputs.limits.start_rad} {}
+  PermittedPath(path::CheckedPath path, const GateInputs& inputs, const StopMark& mark)
+      : path_{std::move(path)},
+        mark_{mark},
+        from_rad_{inputs.arm.q_checked_rad},
+        start_rad_{inputs.limits.start_rad} {}
   path::CheckedPath path_;
+  StopMark mark_;
   kinematics::Joints from_rad_;
   double start_rad_;
 };
@@ -112,7 +121,8 @@ struct GateOutcome {
 /// sentence with what to do; empty: nothing is known to be wrong.
 [[nodiscard]] std::string why_not_ready(const ArmFacts& arm);
 
-/// `path`: entered by the checked way from where the arm stands.
-[[nodiscard]] GateOutcome open_gate(const GateInputs& inputs, const path::CheckedPath& path);
+/// `path`: entered by the checked way from where the arm stands; `mark`: of the order that it follows from.
+[[nodiscard]] GateOutcome open_gate(const GateInputs& inputs, const path::CheckedPath& path,
+                                    const StopMark& mark);
 
 }  // namespace biteline::robot

@@ -14,6 +14,7 @@ std::span<const report::RefusalRow<Refused>> refusal_table(Refused) {
       Row{Refused::ScanTooOld, "scan_too_old", k_again},
       Row{Refused::OtherConnection, "other_connection", k_again},
       Row{Refused::SentBefore, "sent_before", k_again},
+      Row{Refused::Stopped, "stopped_by_a_person", "start, then scan the shoe again"},
       Row{Refused::MessagesLost, "messages_lost", k_again},
       Row{Refused::HolesInScan, "holes_in_scan", "scan again, slower or on a quieter machine"},
       Row{Refused::LineNotPassed, "line_not_passed", "see the scan's report.json"},

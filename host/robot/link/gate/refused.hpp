@@ -11,6 +11,7 @@ enum class Refused {
   ScanTooOld,       ///< the shoe may have been moved since
   OtherConnection,  ///< the sensor was lost in mid-scan
   SentBefore,       ///< this scan's path was sent already
+  Stopped,          ///< by a person, since the scan was ordered
   MessagesLost,     ///< profiles never came
   HolesInScan,      ///< frames, profiles or edges lost in a row
   LineNotPassed,    ///< no line that passed its checks

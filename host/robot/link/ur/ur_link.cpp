@@ -275,7 +275,10 @@ Result<void> UrLink::send(const PermittedPath& permitted) {
   asked_ = false;
   asked_at_ = {};
   remote_.reset();
-  return script_.write_all(urscript(permitted.path()), k_send_patience);
+  const std::string script = urscript(permitted.path());
+  // The last look: from here on the watch over the arm heeds a stop.
+  if (permitted.mark().stopped()) return fail(Errc::Refused, "robot: stopped before the path was sent");
+  return script_.write_all(script, k_send_patience);
 }
 
 Result<void> UrLink::stop() {

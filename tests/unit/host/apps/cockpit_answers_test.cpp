@@ -120,8 +120,8 @@ TEST(CockpitAnswers, RobotsProgressModelAndHolderAreTold) {
   sut->show_scan("scan-0001");
   sut->show_progress(50, 100);
   sut->show_model("boot", 0.98, "rough");
-  sut->begin_cycle();
-  sut->begin_cycle();
+  CHECK(sut->begin_cycle());
+  CHECK(sut->begin_cycle());
   static_cast<void>(ask("POST", "/control", {{"action", "take"}, {"why", "my shift"}}));
   static_cast<void>(ask("POST", "/commands/stop"));
   look_everywhere();

@@ -29,6 +29,7 @@ constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
 static_assert(!std::is_default_constructible_v<PermittedPath>);
 static_assert(!std::is_constructible_v<PermittedPath, path::CheckedPath>);
 static_assert(!std::is_constructible_v<PermittedPath, path::CheckedPath, GateInputs>);
+static_assert(!std::is_constructible_v<PermittedPath, path::CheckedPath, GateInputs, StopMark>);
 static_assert(!std::is_convertible_v<path::CheckedPath, PermittedPath>);
 
 struct Change {
@@ -49,6 +50,12 @@ const std::vector<Change>& bad_changes() {
       {"two connections", [](GateInputs& in) { in.scan.one_connection = false; }, Refused::OtherConnection},
       {"no scan", [](GateInputs& in) { in.scan.scan_id = 0; }, Refused::OtherConnection},
       {"sent before", [](GateInputs& in) { in.scan.sent_before = true; }, Refused::SentBefore},
+      {"stopped since", [](GateInputs& in) { in.scan.stopped = true; }, Refused::Stopped},
+      {"stopped since, scan confirmed",
+       [](GateInputs& in) {
+         in.scan.stopped = true, in.scan.confirmed = Word{"a", "b"};
+       },
+       Refused::Stopped},
       {"message lost", [](GateInputs& in) { in.scan.messages_lost = 1; }, Refused::MessagesLost},
       {"3 frames lost", [](GateInputs& in) { in.scan.lost.frames = 3; }, Refused::HolesInScan},
       {"3 profiles lost", [](GateInputs& in) { in.scan.lost.profiles = 3; }, Refused::HolesInScan},
@@ -118,7 +125,7 @@ TEST_GROUP(Gate) {
     std::feclearexcept(FE_INVALID);
   }
   static bool opens(const GateInputs& inputs) {
-    return open_gate(inputs, test::planned_path("grind.yaml")).path.has_value();
+    return open_gate(inputs, test::planned_path("grind.yaml"), test::no_stops().now()).path.has_value();
   }
 };
 

@@ -21,10 +21,17 @@ inline GateInputs good_inputs(const kinematics::Joints& q_rad = kinematics::Join
   return inputs;
 }
 
+/// Of a cell that nobody stops.
+inline const Stops& no_stops() {
+  static const Stops k_stops;
+  return k_stops;
+}
+
 /// To an arm that stands at `q_rad`.
 inline PermittedPath permitted(const path::CheckedPath& path,
-                               const kinematics::Joints& q_rad = kinematics::Joints::Zero()) {
-  return *open_gate(good_inputs(q_rad), path).path;
+                               const kinematics::Joints& q_rad = kinematics::Joints::Zero(),
+                               const StopMark& mark = no_stops().now()) {
+  return *open_gate(good_inputs(q_rad), path, mark).path;
 }
 
 }  // namespace biteline::robot::test
