@@ -44,10 +44,11 @@ PackedBody pack_body(FlatBufferBuilder& fbb, const SensorHello& hello) {
   const auto version = text(fbb, hello.version);
   const auto scan_name = text(fbb, hello.scan_name);
   const auto model = pack_model(fbb, hello.model);
+  const auto state = pack_camera_state(fbb, hello.camera_state);
   return packed(fb::Body_SensorHello,
                 fb::CreateSensorHello(fbb, name, version, scan_name, hello.frames_expected, hello.lossless,
                                       hello.simulated, hello.scanning, hello.held_from, hello.held_to, model,
-                                      hello.protocol_minor, hello.test_pattern));
+                                      hello.protocol_minor, hello.test_pattern, state));
 }
 
 PackedBody pack_body(FlatBufferBuilder& fbb, const profile::Profile& profile) {
@@ -133,6 +134,7 @@ Result<Body> read_body(const fb::HostHello& table) {
 Result<Body> read_body(const fb::SensorHello& table) {
   if (table.model() == nullptr) return fail(Errc::ProtocolError, "hello without a sensor model");
   BITELINE_ASSIGN(const geometry::SensorModel model, read_model(*table.model()));
+  BITELINE_ASSIGN(const geometry::CameraState camera_state, read_camera_state(table.camera_state()));
   if (table.held_to() < table.held_from())
     return fail(Errc::ProtocolError, "hello with a reversed range of messages");
   return SensorHello{.name = to_string(table.name()),
@@ -146,7 +148,8 @@ Result<Body> read_body(const fb::SensorHello& table) {
                      .held_to = table.held_to(),
                      .model = model,
                      .protocol_minor = table.protocol_minor(),
-                     .test_pattern = table.test_pattern()};
+                     .test_pattern = table.test_pattern(),
+                     .camera_state = camera_state};
 }
 
 Result<Body> read_body(const fb::Profile& table) {

@@ -20,7 +20,7 @@ namespace biteline::wire {
 /// Raised, with the reason in PROTOCOL.md, whenever an old peer would misread a message.
 inline constexpr std::uint16_t k_protocol = 1;
 /// Raised, with the reason in PROTOCOL.md, when something is added that an old peer may do without.
-inline constexpr std::uint16_t k_protocol_minor = 4;
+inline constexpr std::uint16_t k_protocol_minor = 5;
 
 /// No message is longer; sockets drop what is.  A full profile (5184 points) packs to at most 222 KB.
 inline constexpr std::size_t k_max_message_bytes = 512 * 1024;
@@ -53,6 +53,7 @@ struct SensorHello {
   geometry::SensorModel model;
   std::uint16_t protocol_minor{k_protocol_minor};  ///< 0: a sensor that knows no observers
   bool test_pattern{false};                        ///< the scan shows made pictures: it is nobody's shoe
+  geometry::CameraState camera_state{};            ///< as the camera told it when the scan began
 };
 
 struct StageTime {

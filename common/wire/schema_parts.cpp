@@ -101,12 +101,13 @@ flatbuffers::Offset<fb::SensorModel> pack_model(flatbuffers::FlatBufferBuilder& 
   const geometry::Camera& camera = model.camera;
   const fb::Vec3 normal = from_vec3(model.laser_plane.normal_cam);
   const fb::Motion mounting = pack_motion(model.T_flange_cam);
+  const auto state = pack_camera_state(fbb, model.camera_state);
   return fb::CreateSensorModel(fbb, camera.fu_px, camera.fv_px, camera.cu_px, camera.cv_px, camera.k1,
                                camera.k2, camera.p1, camera.p2, camera.k3, &normal,
                                model.laser_plane.distance_mm, &mounting, model.region.offset_u_px,
                                model.region.offset_v_px, model.region.width_px, model.region.height_px,
                                model.pose_clock_offset.count(), model.rate_hz.value_or(0),
-                               model.exposure.value_or(Nanoseconds{0}).count());
+                               model.exposure.value_or(Nanoseconds{0}).count(), state);
 }
 
 Result<geometry::SensorModel> read_model(const fb::SensorModel& table) {
@@ -143,7 +144,33 @@ Result<geometry::SensorModel> read_model(const fb::SensorModel& table) {
   model.pose_clock_offset = Nanoseconds{table.pose_clock_offset_ns()};
   if (table.rate_hz() > 0) model.rate_hz = table.rate_hz();
   if (table.exposure_ns() > 0) model.exposure = Nanoseconds{table.exposure_ns()};
+  BITELINE_ASSIGN(model.camera_state, read_camera_state(table.camera_state()));
   return model;
+}
+
+flatbuffers::Offset<fb::CameraState> pack_camera_state(flatbuffers::FlatBufferBuilder& fbb,
+                                                       const geometry::CameraState& state) {
+  if (!state.told()) return {};
+  std::vector<fb::StateValue> values;
+  for (std::size_t key = 0; key < geometry::k_state_keys; ++key)
+    if (state.values[key]) values.emplace_back(static_cast<std::uint8_t>(key), *state.values[key]);
+  const auto packed = fbb.CreateVectorOfStructs(values);
+  return fb::CreateCameraState(fbb, packed, text(fbb, state.pixel_format));
+}
+
+Result<geometry::CameraState> read_camera_state(const fb::CameraState* table) {
+  geometry::CameraState state;
+  if (table == nullptr) return state;
+  state.pixel_format = to_string(table->pixel_format());
+  if (table->values() == nullptr) return state;
+  for (const fb::StateValue* each : *table->values()) {
+    if (each->key() >= geometry::k_state_keys) continue;
+    const geometry::StateRow& row = geometry::state_table()[each->key()];
+    if (!row.range.holds(each->value()))
+      return fail(Errc::ProtocolError, "camera state with an impossible %s", row.name);
+    state[row.key] = each->value();
+  }
+  return state;
 }
 
 flatbuffers::Offset<fb::Counters> pack_counters(flatbuffers::FlatBufferBuilder& fbb,

@@ -27,6 +27,11 @@ namespace biteline::wire {
                                                               const geometry::SensorModel& model);
 [[nodiscard]] Result<geometry::SensorModel> read_model(const fb::SensorModel& table);
 
+[[nodiscard]] flatbuffers::Offset<fb::CameraState> pack_camera_state(flatbuffers::FlatBufferBuilder& fbb,
+                                                                     const geometry::CameraState& state);
+/// Nothing told when absent: an older sensor.
+[[nodiscard]] Result<geometry::CameraState> read_camera_state(const fb::CameraState* table);
+
 [[nodiscard]] flatbuffers::Offset<fb::Counters> pack_counters(flatbuffers::FlatBufferBuilder& fbb,
                                                               const Counters& counters);
 /// All zero when absent.

@@ -41,6 +41,30 @@ TEST_GROUP(SensorYaml) {
   }
 };
 
+TEST(SensorYaml, TheCamerasStateIsABlockThatMayLack) {
+  CHECK(sensor_yaml_text(sensor, "made").find("camera_state") == std::string::npos);
+  CHECK_FALSE(read(sensor_yaml_text(sensor, "made"))->camera_state.told());
+  using geometry::StateKey;
+  sensor.camera_state = geometry::plain_state();
+  sensor.camera_state[StateKey::MirrorY] = 1;
+  sensor.camera_state[StateKey::SensorWidth] = 1626;
+  sensor.camera_state[StateKey::BlackLevel] = 4.0625;
+  sensor.camera_state.pixel_format = "Mono8";
+  const auto sut = read(sensor_yaml_text(sensor, "made"));
+  SUCCEEDS(sut);
+  CHECK(sensor.camera_state == sut->camera_state);
+  STRCMP_CONTAINS("  mirror_y: true\n", sensor_yaml_text(sensor, "made").c_str());
+  FAILS_NAMING(Errc::BadValue, "camera_state.mirror_y", read(changed("mirror_y: true", "mirror_y: 3")));
+  FAILS_NAMING(Errc::BadValue, "camera_state.binning_x", read(changed("binning_x: 1", "binning_x: 0")));
+  FAILS_NAMING(Errc::BadValue, "camera_state.black_level",
+               read(changed("black_level: 4.0625", "black_level: .nan")));
+  FAILS_NAMING(Errc::UnknownKey, "camera_state.mirror_z", read(changed("mirror_y: true", "mirror_z: true")));
+  FAILS_NAMING(
+      Errc::BadFormat, "camera_state",
+      read(sensor_yaml_text({sensor.camera, sensor.laser_plane, sensor.T_flange_cam, sensor.region}, "made") +
+           "camera_state: upright\n"));
+}
+
 TEST(SensorYaml, WhatWasWrittenIsRead) {
   const auto sut = read(sensor_yaml_text(sensor, "made"));
   SUCCEEDS(sut);

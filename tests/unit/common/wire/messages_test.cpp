@@ -60,6 +60,11 @@ SensorHello made_hello() {
   hello.model.region = {.offset_u_px = 1, .offset_v_px = 460, .width_px = 1626, .height_px = 320};
   hello.model.pose_clock_offset = Nanoseconds{-5};
   hello.model.exposure = Nanoseconds{400000};
+  hello.model.camera_state = geometry::plain_state();
+  hello.model.camera_state.pixel_format = "Mono8";
+  hello.camera_state = hello.model.camera_state;
+  hello.camera_state[geometry::StateKey::MirrorX] = 1;
+  hello.camera_state[geometry::StateKey::SensorWidth] = 1626;
   return hello;
 }
 
@@ -142,6 +147,20 @@ TEST(Messages, HelloCarriesTheWholeHead) {
   LONGS_EQUAL(-5, got.model.pose_clock_offset.count());
   CHECK(!got.model.rate_hz.has_value());
   LONGS_EQUAL(400000, got.model.exposure->count());
+  CHECK(sent.model.camera_state == got.model.camera_state);
+  CHECK(sent.camera_state == got.camera_state);
+}
+
+TEST(Messages, ACameraStateIsCheckedAndOneThatIsNotToldStaysUntold) {
+  SensorHello sent = made_hello();
+  sent.camera_state = {};
+  CHECK_FALSE(round_trip(sent).camera_state.told());
+  for (const double impossible : {0.0, -1.0, 1e300, std::numeric_limits<double>::quiet_NaN()}) {
+    sent.camera_state[geometry::StateKey::BinningX] = impossible;
+    Bytes bytes;
+    encode({.scan_id = 1, .body = sent}, bytes);
+    FAILS_NAMING(Errc::ProtocolError, "binning_x", decode(bytes));
+  }
 }
 
 TEST(Messages, SmallMessagesComeBack) {
