@@ -90,6 +90,7 @@ class PointWriter {
                 std::uint16_t flags, std::uint8_t peak_count) noexcept BITELINE_RT {
     if (out_.count == out_.points.size()) return;
     const TriangulationTable::Point triangulated = table_.rt_point(static_cast<int>(column), place.row_px);
+    if (std::isnan(triangulated.point_cam.z())) return;  // the laser's plane is not seen there
     out_.points[out_.count++] = {.point_cam = triangulated.point_cam,
                                  .sigma_mm = place.sigma_row_px * triangulated.mm_per_row,
                                  .row_px = place.row_px + static_cast<float>(offset_v_px_),

@@ -2,6 +2,7 @@
 #pragma once
 /// \file Pixel to point on the laser plane, from a table made once per head.
 
+#include <optional>
 #include <vector>
 
 #include "common/core/result.hpp"
@@ -18,7 +19,8 @@ namespace biteline::pipeline {
 /// Single precision: a point at 400 mm has steps of 0.03 um.  Thread: immutable.  RT: rt_ members.
 class TriangulationTable {
  public:
-  /// Fails when a ray of the region misses the plane or meets it behind the camera.
+  /// Rays that miss the plane or meet it behind the camera have no value: a corner of a wide picture does so.
+  /// Fails when no ray of the region has one.
   [[nodiscard]] static Result<TriangulationTable> create(const geometry::SensorModel& sensor);
 
   struct Point {
@@ -26,7 +28,8 @@ class TriangulationTable {
     float mm_per_row;  ///< length moved along the plane per pixel of row: what sigma_row_px is multiplied by
   };
 
-  /// `row_px` in the region, sub-pixel, clamped to it.  Pre: 0 <= column < width.
+  /// `row_px` in the region, sub-pixel, clamped to it; NaN where there is no value.  Pre: 0 <= column <
+  /// width.
   [[nodiscard]] Point rt_point(int column, float row_px) const noexcept BITELINE_RT;
 
  private:
@@ -35,6 +38,9 @@ class TriangulationTable {
     Eigen::Vector3f slope_mm;  ///< d point / d row, times the grid's spacing
   };
   static constexpr int k_rows_per_node = 8;
+  static constexpr float k_rounding_mm = 2e-4F;  ///< single precision, up to 2 m away
+
+  [[nodiscard]] static std::optional<Node> node_at(const geometry::SensorModel& sensor, const Vec2& pixel_px);
 
   int width_px_{0};
   int nodes_per_column_{0};

@@ -84,6 +84,21 @@ TEST(ProfilePipeline, PointsLieWhereTheDirectFormulaPutsTheStripe) {
   DOUBLES_EQUAL(1.0, sum_normalised / k_width_px, 0.8);
 }
 
+TEST(ProfilePipeline, StripeWhereTheLaserPlaneIsNotSeenGivesNoPoint) {
+  // The plane runs along the rays of the right half: the stripe there is none of the laser's.
+  head.laser_plane = {.normal_cam = Vec3{1, 0, 0}, .distance_mm = -40};
+  head.camera.cu_px = head.region.offset_u_px + 0.5 * k_width_px;
+  ProfilePipeline sut = create();
+  MadeStripe stripe = made();
+  CHECK(process(sut, stripe::test::picture(stripe, random)));
+  CHECK(out->count > 0);
+  for (std::size_t i = 0; i < out->count; ++i) {
+    CHECK(out->points[i].point_cam.allFinite());
+    CHECK(std::isfinite(out->points[i].sigma_mm));
+    CHECK_COMPARE(out->points[i].column, <, k_width_px / 2);
+  }
+}
+
 TEST(ProfilePipeline, MirrorImageOverHalfTheStripeIsFlagged) {
   // A weaker, wider second stripe, where the surface shines; in ten columns it is all there is.
   MadeStripe direct = made(), mirror = made();

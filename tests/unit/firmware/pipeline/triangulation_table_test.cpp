@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "tests/support/errors.hpp"
 #include "tests/support/made_head.hpp"
 
 namespace biteline::pipeline {
@@ -62,6 +63,52 @@ TEST(TriangulationTable, ColumnsAndRowsAreNotExchanged) {
   CHECK(sut.has_value());
   CHECK(sut->rt_point(300, 100).point_cam.x() > sut->rt_point(10, 100).point_cam.x() + 10);
   DOUBLES_EQUAL(sut->rt_point(10, 20).point_cam.x(), sut->rt_point(10, 190).point_cam.x(), 3);
+}
+
+TEST(TriangulationTable, ACornerThatThePlaneMissesHasNoValueAndTheRestIsExact) {
+  // A wide lens, and a plane that some rays run along: by its middle, in a corner, under an edge.
+  for (const Vec3& normal : {Vec3{0.05, 0.75, -0.2}, Vec3{0.3, 0.7, -0.25}, Vec3{-0.4, 0.6, -0.3}}) {
+    geometry::SensorModel sensor = test::made_head(1626, 1236);
+    sensor.region = {.width_px = 1626, .height_px = 1236};
+    sensor.camera.fu_px = sensor.camera.fv_px = 900;
+    sensor.camera.k1 = sensor.camera.k2 = 0;
+    sensor.laser_plane = {.normal_cam = normal.normalized(), .distance_mm = -150};
+    const auto sut = TriangulationTable::create(sensor);
+    SUCCEEDS(sut);
+    int with = 0, without = 0, missed = 0;
+    double worst_px = 0;
+    for (int column = 0; column < 1626; column += 25) {
+      for (int row_px = 0; row_px <= 1235; row_px += 3) {
+        const Vec2 pixel_px{static_cast<double>(column), static_cast<double>(row_px)};
+        const double towards = sensor.laser_plane.normal_cam.dot(sensor.camera.ray(pixel_px)) * -150;
+        const auto point = sut->rt_point(column, static_cast<float>(row_px));
+        if (std::isnan(point.point_cam.z())) {
+          ++without;
+          missed += towards <= 0 ? 1 : 0;
+          continue;
+        }
+        ++with;
+        CHECK(towards > 0);
+        const Vec3 direct = geometry::triangulate(sensor.camera, sensor.laser_plane, pixel_px);
+        worst_px = std::max(worst_px, ((point.point_cam.cast<double>() - direct).norm() - 1e-3) /
+                                          static_cast<double>(point.mm_per_row));
+      }
+    }
+    CHECK(with > 5000 && missed > 100);
+    // Nothing that is seen goes: only where a row is metres.
+    CHECK_COMPARE(without - missed, <, with / 10);
+    CHECK_COMPARE(worst_px, <, 0.02);
+  }
+}
+
+TEST(TriangulationTable, NoRayIsLostOfAHeadWhosePlaneIsSeenEverywhere) {
+  const geometry::SensorModel sensor = test::made_head(1626, 1236);
+  const auto sut = TriangulationTable::create(sensor);
+  SUCCEEDS(sut);
+  for (int column = 0; column < 1626; column += 5) {
+    for (int row_px = 0; row_px <= 1235; row_px += 5)
+      CHECK_FALSE(std::isnan(sut->rt_point(column, static_cast<float>(row_px)).point_cam.z()));
+  }
 }
 
 TEST(TriangulationTable, PlaneBehindTheCameraIsRefused) {
