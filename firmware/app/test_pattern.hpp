@@ -26,6 +26,10 @@ class TestPatternCamera final : public hal::LineCamera {
 
   [[nodiscard]] Result<hal::CameraLimits> limits() override { return camera_->limits(); }
   [[nodiscard]] Result<double> rate_max_hz() override { return camera_->rate_max_hz(); }
+  [[nodiscard]] Result<geometry::CameraState> set_state(const geometry::CameraState& wanted) override {
+    return camera_->set_state(wanted);
+  }
+  [[nodiscard]] Result<geometry::CameraState> state() override { return camera_->state(); }
   [[nodiscard]] Result<hal::CameraSettings> configure(const hal::CameraSettings& wanted) override {
     return camera_->configure(wanted);
   }

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "common/core/result.hpp"
+#include "common/geometry/camera_state.hpp"
 #include "common/geometry/sensor_model.hpp"
 #include "common/profile/counts.hpp"
 #include "hal/api/clock_health.hpp"
@@ -97,6 +98,17 @@ class LineCamera {
   [[nodiscard]] virtual Result<double> rate_max_hz() {
     return limits().map([](const CameraLimits& limits) { return limits.rate_max_hz; });
   }
+
+  /// Sets what is told of `wanted` (geometry::CameraState; sizes and pixel format are chosen by configure())
+  /// and reads everything back; what is not told stays as another program left it.  A value that the device
+  /// refuses is read and no error: who knows the calibration compares.  Before configure(): sizes hang on it.
+  [[nodiscard]] virtual Result<geometry::CameraState> set_state(const geometry::CameraState& wanted) {
+    (void)wanted;
+    return state();
+  }
+
+  /// As the device tells it now; what it cannot tell is not told.
+  [[nodiscard]] virtual Result<geometry::CameraState> state() { return geometry::CameraState{}; }
 
   /// Gives back what the device really took (steps, rate limits); refuses with Errc::BadValue what it cannot
   /// come near (region outside the sensor, exposure beyond its range).

@@ -28,6 +28,10 @@ class TriggeredCamera final : public LineCamera {
 
   [[nodiscard]] Result<CameraLimits> limits() override { return camera_->limits(); }
   [[nodiscard]] Result<double> rate_max_hz() override { return camera_->rate_max_hz(); }
+  [[nodiscard]] Result<geometry::CameraState> set_state(const geometry::CameraState& wanted) override {
+    return camera_->set_state(wanted);
+  }
+  [[nodiscard]] Result<geometry::CameraState> state() override { return camera_->state(); }
   [[nodiscard]] Result<CameraSettings> configure(const CameraSettings& wanted) override;
   [[nodiscard]] Result<void> start() override;
   [[nodiscard]] Result<FrameView> next_frame(Nanoseconds timeout) override;

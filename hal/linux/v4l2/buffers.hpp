@@ -8,6 +8,9 @@
 #include <vector>
 
 #include "hal/linux/posix/descriptor.hpp"
+#include "hal/linux/v4l2/capture_node.hpp"
+
+struct v4l2_buffer;
 
 namespace biteline::hal {
 
@@ -31,19 +34,22 @@ class BufferSet {
   BufferSet& operator=(BufferSet&& other) noexcept;
   ~BufferSet() { release(); }
 
-  /// `device` must outlive the set.
-  [[nodiscard]] static Result<BufferSet> create(int device, const BufferRequest& request);
+  /// The node's device must outlive the set.
+  [[nodiscard]] static Result<BufferSet> create(const CaptureNode& node, const BufferRequest& request);
 
   [[nodiscard]] std::size_t count() const { return buffers_.size(); }
   [[nodiscard]] std::span<const std::uint8_t> bytes(std::size_t index) const { return buffers_[index].bytes; }
   /// Hands the buffer to the driver.
   [[nodiscard]] Result<void> queue(std::size_t index) const;
+  /// A filled one, with the plain interface's fields whatever the driver's; `begin_bytes`: where the picture
+  /// begins in it.  Errc::Timeout: none is filled.
+  [[nodiscard]] Result<v4l2_buffer> dequeue(std::size_t& begin_bytes) const;
   /// Around reading by the processor: caches, on boards whose DMA is not coherent.
   void begin_reading(std::size_t index) const;
   void end_reading(std::size_t index) const;
-  [[nodiscard]] std::uint32_t v4l2_memory() const;
 
  private:
+  [[nodiscard]] std::uint32_t v4l2_memory() const;
   struct Buffer {
     std::span<std::uint8_t> bytes;
     Descriptor dma_buf;
@@ -52,7 +58,7 @@ class BufferSet {
   Result<void> take_from_heap(const Descriptor& heap, const BufferRequest& request);
   void release() noexcept;
 
-  int device_{-1};
+  CaptureNode node_;
   BufferMemory memory_{BufferMemory::Mapped};
   std::vector<Buffer> buffers_;
 };

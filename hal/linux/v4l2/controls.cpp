@@ -107,6 +107,8 @@ void turn_automatics_off(int device) {
   // Absent controls are the normal case for raw sensors; then there is nothing to turn off.
   static_cast<void>(set(device, V4L2_CID_EXPOSURE_AUTO, V4L2_EXPOSURE_MANUAL, "manual exposure"));
   static_cast<void>(set(device, V4L2_CID_AUTOGAIN, 0, "manual gain"));
+  static_cast<void>(set(device, V4L2_CID_AUTOBRIGHTNESS, 0, "manual black level"));
+  static_cast<void>(set(device, V4L2_CID_FOCUS_AUTO, 0, "manual focus"));
 }
 
 }  // namespace biteline::hal

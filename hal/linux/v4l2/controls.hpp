@@ -41,7 +41,8 @@ struct GainRange {
 /// Analogue gain in the driver's steps.
 [[nodiscard]] Result<void> set_gain(int device, std::int32_t gain);
 
-/// Automatic exposure and gain off, where the driver has them: a made-up exposure would move mid-exposure.
+/// Automatic exposure, gain, black level and focus off, where the driver has them: a made-up exposure would
+/// move mid-exposure, another focus every ray.
 void turn_automatics_off(int device);
 
 }  // namespace biteline::hal

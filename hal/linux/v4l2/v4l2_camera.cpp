@@ -7,19 +7,12 @@
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
+#include <utility>
+
+#include "hal/linux/v4l2/state_controls.hpp"
 
 namespace biteline::hal {
 namespace {
-
-bool has_format(int device, PixelFormat format) {
-  v4l2_fmtdesc description{};
-  description.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
-  while (retrying_ioctl(device, VIDIOC_ENUM_FMT, &description) == 0) {
-    if (description.pixelformat == fourcc_of(format)) return true;
-    ++description.index;
-  }
-  return false;
-}
 
 SensorClock::time_point stamp_of(const v4l2_buffer& buffer) {
   return SensorClock::time_point{
@@ -33,6 +26,17 @@ v4l2_selection selection(std::uint32_t target) {
   return selection;
 }
 
+/// A node that is busy names who has it as start-up does later.
+Result<Descriptor> open_camera_device(const std::string& path, int flags) {
+  Result<Descriptor> opened = open_device(path.c_str(), flags);
+  if (!opened && opened.error().sys_errno == EBUSY) return capture_failure(EBUSY, path, "open");
+  return opened;
+}
+
+std::int64_t area(const PictureSize& size) {
+  return std::int64_t{size.width_px} * size.height_px;
+}
+
 v4l2_rect rectangle(const geometry::Region& region) {
   return {.left = region.offset_u_px,
           .top = region.offset_v_px,
@@ -40,10 +44,10 @@ v4l2_rect rectangle(const geometry::Region& region) {
           .height = static_cast<std::uint32_t>(region.height_px)};
 }
 
-bool fits(const geometry::Region& region, int width_px, int height_px) {
+bool fits(const geometry::Region& region, const PictureSize& picture) {
   return region.offset_u_px >= 0 && region.offset_v_px >= 0 && region.width_px > 0 && region.height_px > 0 &&
-         region.offset_u_px + region.width_px <= width_px &&
-         region.offset_v_px + region.height_px <= height_px;
+         region.offset_u_px + region.width_px <= picture.width_px &&
+         region.offset_v_px + region.height_px <= picture.height_px;
 }
 
 }  // namespace
@@ -56,60 +60,99 @@ V4l2Camera::~V4l2Camera() {
 }
 
 Result<std::unique_ptr<V4l2Camera>> V4l2Camera::open(const Config& config) {
-  BITELINE_ASSIGN(Descriptor device, open_device(config.device.c_str(), O_RDWR | O_NONBLOCK));
-  v4l2_capability capability{};
-  if (retrying_ioctl(device.number(), VIDIOC_QUERYCAP, &capability) < 0) {
-    return device_failure(errno, config.device.c_str(), "is no V4L2 device");
-  }
-  constexpr std::uint32_t k_needed = V4L2_CAP_VIDEO_CAPTURE | V4L2_CAP_STREAMING;
-  if ((capability.device_caps & k_needed) != k_needed) {
-    return fail(Errc::NotSupported, "%.100s: no streaming capture", config.device.c_str());
-  }
+  BITELINE_ASSIGN(Descriptor device, open_camera_device(config.device, O_RDWR | O_NONBLOCK));
+  BITELINE_ASSIGN(CaptureNode node, CaptureNode::look(device.number(), config.device));
   Descriptor control;
   if (!config.control_device.empty()) {
-    BITELINE_ASSIGN(control, open_device(config.control_device.c_str(), O_RDWR));
+    BITELINE_ASSIGN(control, open_camera_device(config.control_device, O_RDWR));
   }
   std::unique_ptr<V4l2Camera> camera{new V4l2Camera{config, std::move(device), std::move(control)}};
-  const auto has = [&](PixelFormat format) { return has_format(camera->device_.number(), format); };
-  if (config.format) {
-    if (!has(*config.format))
-      return fail(Errc::NotSupported, "%.100s lacks the format asked", config.device.c_str());
-    camera->format_ = *config.format;
-  } else {
-    const auto found = std::find_if(k_pixel_formats.begin(), k_pixel_formats.end(), has);
-    if (found == k_pixel_formats.end()) {
-      return fail(Errc::NotSupported, "%.100s has no grey format", config.device.c_str());
-    }
-    camera->format_ = *found;
-  }
+  camera->node_ = std::move(node);
+  BITELINE_TRY(camera->choose_format());
   BITELINE_TRY(camera->read_full_size());
-  turn_automatics_off(camera->controls());
+  for (const int each : camera->control_devices()) turn_automatics_off(each);
   if (config.gain) BITELINE_TRY(set_gain(camera->controls(), *config.gain));
   return camera;
+}
+
+std::vector<int> V4l2Camera::control_devices() const {
+  if (control_.is_open()) return {control_.number(), device_.number()};
+  return {device_.number()};
+}
+
+Result<void> V4l2Camera::choose_format() {
+  const std::vector<std::uint32_t> listed = node_.formats();
+  const auto has = [&](PixelFormat format) {
+    return std::find(listed.begin(), listed.end(), fourcc_of(format)) != listed.end();
+  };
+  const auto found = config_.format ? (has(*config_.format) ? &*config_.format : nullptr)
+                                    : std::find_if(k_pixel_formats.begin(), k_pixel_formats.end(), has);
+  if (found != nullptr && found != k_pixel_formats.end()) {
+    format_ = *found;
+    return {};
+  }
+  std::string names;
+  for (const std::uint32_t each : listed)
+    if (names.size() < 80) names += (names.empty() ? "" : ", ") + fourcc_text(each);
+  return fail(
+      Errc::NotSupported, "%.60s gives %s: %s expected (a monochrome sensor, one plane)",
+      config_.device.c_str(), names.empty() ? "no format" : names.c_str(),
+      config_.format ? fourcc_text(fourcc_of(*config_.format)).c_str() : "GREY, Y10P, Y12P, Y10, Y12 or Y16");
 }
 
 Result<void> V4l2Camera::read_full_size() {
   v4l2_selection bounds = selection(V4L2_SEL_TGT_CROP_DEFAULT);
   if (retrying_ioctl(device_.number(), VIDIOC_G_SELECTION, &bounds) == 0 && bounds.r.width > 0) {
-    sensor_width_px_ = static_cast<int>(bounds.r.width);
-    sensor_height_px_ = static_cast<int>(bounds.r.height);
+    full_ = {static_cast<int>(bounds.r.width), static_cast<int>(bounds.r.height)};
     return {};
   }
-  v4l2_format format{};
-  format.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
-  if (retrying_ioctl(device_.number(), VIDIOC_G_FMT, &format) < 0) {
-    return device_failure(errno, config_.device.c_str(), "read format");
+  if (node_.follows_pipeline() && control_.is_open()) {
+    // A bridge takes what its pipeline gives; its own sizes are those of its memory.
+    const PipelineSize given = pipeline_size(control_.number());
+    if (given.width_px > 0) {
+      full_ = {given.width_px, given.height_px};
+      return {};
+    }
   }
-  sensor_width_px_ = static_cast<int>(format.fmt.pix.width);
-  sensor_height_px_ = static_cast<int>(format.fmt.pix.height);
+  BITELINE_ASSIGN(const CaptureFormat now, node_.format());
+  full_ = now.size;
+  if (!node_.follows_pipeline()) largest_ = node_.largest(fourcc_of(format_));
   return {};
 }
 
+Result<geometry::CameraState> V4l2Camera::set_state(const geometry::CameraState& wanted) {
+  if (state_ == State::Running) return fail(Errc::WrongState, "camera set while running");
+  set_state_controls(control_devices(), wanted);
+  adopt_size(wanted);
+  return state();
+}
+
+void V4l2Camera::adopt_size(const geometry::CameraState& wanted) {
+  const std::optional<double>&width_px = wanted[geometry::StateKey::SensorWidth],
+        &height_px = wanted[geometry::StateKey::SensorHeight];
+  if (!width_px || !height_px || has(V4L2_SEL_TGT_CROP_DEFAULT)) return;
+  const PictureSize told{static_cast<int>(*width_px), static_cast<int>(*height_px)};
+  largest_.reset();
+  if (told == full_) return;
+  const Result<CaptureFormat> taken = node_.set_format(fourcc_of(format_), told, true);
+  if (taken && taken->size == told) full_ = told;
+}
+
+Result<geometry::CameraState> V4l2Camera::state() {
+  geometry::CameraState state;
+  read_state_controls(control_devices(), state);
+  state[geometry::StateKey::SensorWidth] = full_.width_px;
+  state[geometry::StateKey::SensorHeight] = full_.height_px;
+  state.pixel_format = fourcc_text(fourcc_of(format_));
+  return state;
+}
+
 Result<CameraLimits> V4l2Camera::limits() {
-  CameraLimits limits{.sensor_width_px = sensor_width_px_,
-                      .sensor_height_px = sensor_height_px_,
+  const PictureSize whole = largest_ && area(*largest_) > area(full_) ? *largest_ : full_;
+  CameraLimits limits{.sensor_width_px = whole.width_px,
+                      .sensor_height_px = whole.height_px,
                       .hardware_trigger = config_.hardware_trigger};
-  exposure_control_ = find_exposure(controls(), sensor_width_px_);
+  exposure_control_ = find_exposure(controls(), full_.width_px);
   if (exposure_control_) {
     limits.exposure_min = exposure_control_->shortest();
     limits.exposure_max = exposure_control_->longest();
@@ -120,7 +163,7 @@ Result<CameraLimits> V4l2Camera::limits() {
     if (gain->now) limits.gain = *gain->now;
   }
   v4l2_streamparm parameters{};
-  parameters.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+  parameters.type = node_.buffer_type();
   if (retrying_ioctl(device_.number(), VIDIOC_G_PARM, &parameters) == 0) {
     const v4l2_fract& interval = parameters.parm.capture.timeperframe;
     if (interval.numerator > 0)
@@ -131,10 +174,11 @@ Result<CameraLimits> V4l2Camera::limits() {
 
 Result<CameraSettings> V4l2Camera::configure(const CameraSettings& wanted) {
   if (state_ == State::Running) return fail(Errc::WrongState, "camera configured while running");
-  if (!fits(wanted.region, sensor_width_px_, sensor_height_px_)) {
+  if (!fits(wanted.region, full_) && largest_ && fits(wanted.region, *largest_)) full_ = *largest_;
+  if (!fits(wanted.region, full_)) {
     return fail(Errc::BadValue, "region %d x %d at %d, %d on a sensor of %d x %d", wanted.region.width_px,
-                wanted.region.height_px, wanted.region.offset_u_px, wanted.region.offset_v_px,
-                sensor_width_px_, sensor_height_px_);
+                wanted.region.height_px, wanted.region.offset_u_px, wanted.region.offset_v_px, full_.width_px,
+                full_.height_px);
   }
   if (wanted.trigger == Trigger::Hardware && !config_.hardware_trigger) {
     return fail(Errc::NotSupported, "%.100s is not wired for a trigger", config_.device.c_str());
@@ -145,14 +189,13 @@ Result<CameraSettings> V4l2Camera::configure(const CameraSettings& wanted) {
     return fail(Errc::NotSupported, "V4L2 applies exposures some frames late: no bracketing");
   }
 
-  const bool whole =
-      wanted.region.width_px == sensor_width_px_ && wanted.region.height_px == sensor_height_px_;
+  const bool whole = wanted.region.width_px == full_.width_px && wanted.region.height_px == full_.height_px;
   bool cropped = !whole && crop_in_driver(wanted.region);
   if (cropped) {
     // Some drivers take the rectangle and give it up again for the format, or scale it into one that an
     // earlier user left.
     const geometry::Region picture{.width_px = wanted.region.width_px, .height_px = wanted.region.height_px};
-    cropped = set_format({.width_px = picture.width_px, .height_px = picture.height_px}).has_value();
+    cropped = set_format({picture.width_px, picture.height_px}).has_value();
     set_rectangle(V4L2_SEL_TGT_COMPOSE, picture);
     cropped = cropped && rectangle_is(V4L2_SEL_TGT_CROP, wanted.region) &&
               (!has(V4L2_SEL_TGT_COMPOSE) || rectangle_is(V4L2_SEL_TGT_COMPOSE, picture));
@@ -162,9 +205,9 @@ Result<CameraSettings> V4l2Camera::configure(const CameraSettings& wanted) {
                                     wanted.region.width_px, wanted.region.height_px};
   if (!cropped) {
     // A rectangle that an earlier user left would be scaled, or fill a part of the picture, in silence.
-    const geometry::Region sensor{.width_px = sensor_width_px_, .height_px = sensor_height_px_};
+    const geometry::Region sensor{.width_px = full_.width_px, .height_px = full_.height_px};
     set_rectangle(V4L2_SEL_TGT_CROP, sensor);
-    BITELINE_TRY(set_format({.width_px = sensor_width_px_, .height_px = sensor_height_px_}));
+    BITELINE_TRY(set_format(full_));
     set_rectangle(V4L2_SEL_TGT_COMPOSE, sensor);
     for (const std::uint32_t target : {V4L2_SEL_TGT_CROP, V4L2_SEL_TGT_COMPOSE}) {
       if (has(target) && !rectangle_is(target, sensor)) {
@@ -172,8 +215,9 @@ Result<CameraSettings> V4l2Camera::configure(const CameraSettings& wanted) {
       }
     }
   }
-  copies_ = format_ != PixelFormat::Grey8 || window_.width_px != picture_width_px_ ||
-            window_.height_px != picture_height_px_;
+  copies_ = format_ != PixelFormat::Grey8 || window_.width_px != picture_.width_px ||
+            window_.height_px != picture_.height_px ||
+            picture_bytes_ < stride_bytes_ * static_cast<std::size_t>(picture_.height_px);
 
   settings_ = wanted;
   if (wanted.gain) {
@@ -182,7 +226,7 @@ Result<CameraSettings> V4l2Camera::configure(const CameraSettings& wanted) {
     settings_.gain = steps;
   }
   settings_.rate_hz = set_rate(wanted.rate_hz);
-  exposure_control_ = find_exposure(controls(), picture_width_px_);
+  exposure_control_ = find_exposure(controls(), picture_.width_px);
   if (exposure_control_ && wanted.exposure > Nanoseconds{0}) {
     BITELINE_ASSIGN(settings_.exposure, set_exposure(controls(), *exposure_control_, wanted.exposure));
   } else {
@@ -220,32 +264,29 @@ void V4l2Camera::set_rectangle(std::uint32_t target, const geometry::Region& reg
   static_cast<void>(retrying_ioctl(device_.number(), VIDIOC_S_SELECTION, &wanted));
 }
 
-Result<void> V4l2Camera::set_format(PictureWindow size) {
-  v4l2_format format{};
-  format.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
-  format.fmt.pix.width = static_cast<std::uint32_t>(size.width_px);
-  format.fmt.pix.height = static_cast<std::uint32_t>(size.height_px);
-  format.fmt.pix.pixelformat = fourcc_of(format_);
-  format.fmt.pix.field = V4L2_FIELD_NONE;
-  if (retrying_ioctl(device_.number(), VIDIOC_S_FMT, &format) < 0) {
-    return device_failure(errno, config_.device.c_str(), "set format");
+Result<void> V4l2Camera::set_format(PictureSize size) {
+  BITELINE_ASSIGN(const CaptureFormat taken, node_.set_format(fourcc_of(format_), size));
+  picture_ = taken.size;
+  if (taken.planes != 1) {
+    return fail(Errc::NotSupported, "%.60s gives its pictures in %d planes: one expected",
+                config_.device.c_str(), taken.planes);
   }
-  picture_width_px_ = static_cast<int>(format.fmt.pix.width);
-  picture_height_px_ = static_cast<int>(format.fmt.pix.height);
   // A driver that scales instead of refusing would change the geometry in silence.
-  if (format.fmt.pix.pixelformat != fourcc_of(format_) || picture_width_px_ != size.width_px ||
-      picture_height_px_ != size.height_px) {
-    return fail(Errc::BadValue, "%.60s gives %d x %d instead of %d x %d", config_.device.c_str(),
-                picture_width_px_, picture_height_px_, size.width_px, size.height_px);
+  if (taken.fourcc != fourcc_of(format_) || picture_ != size) {
+    return fail(Errc::BadValue, "%.60s gives %d x %d %s instead of %d x %d %s", config_.device.c_str(),
+                picture_.width_px, picture_.height_px, fourcc_text(taken.fourcc).c_str(), size.width_px,
+                size.height_px, fourcc_text(fourcc_of(format_)).c_str());
   }
-  stride_bytes_ = std::max<std::size_t>(format.fmt.pix.bytesperline, row_bytes(format_, picture_width_px_));
-  picture_bytes_ = format.fmt.pix.sizeimage;
+  const std::size_t row = row_bytes(format_, picture_.width_px);
+  stride_bytes_ = std::max(taken.stride_bytes, row);
+  filled_bytes_ = stride_bytes_ * static_cast<std::size_t>(picture_.height_px - 1) + row;
+  picture_bytes_ = std::max(taken.picture_bytes, filled_bytes_);
   return {};
 }
 
 double V4l2Camera::set_rate(double rate_hz) {
   v4l2_streamparm parameters{};
-  parameters.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+  parameters.type = node_.buffer_type();
   if (retrying_ioctl(device_.number(), VIDIOC_G_PARM, &parameters) < 0) return 0;
   v4l2_fract& interval = parameters.parm.capture.timeperframe;
   if (rate_hz > 0) {
@@ -257,14 +298,14 @@ double V4l2Camera::set_rate(double rate_hz) {
 
 Result<void> V4l2Camera::start() {
   if (state_ != State::Configured) return fail(Errc::WrongState, "camera started before it was configured");
-  BITELINE_ASSIGN(buffers_, BufferSet::create(device_.number(), {.memory = config_.memory,
-                                                                 .heap = config_.heap,
-                                                                 .count = config_.buffers,
-                                                                 .size_bytes = picture_bytes_}));
+  BITELINE_ASSIGN(buffers_, BufferSet::create(node_, {.memory = config_.memory,
+                                                      .heap = config_.heap,
+                                                      .count = config_.buffers,
+                                                      .size_bytes = picture_bytes_}));
   const auto size = static_cast<std::size_t>(window_.width_px) * static_cast<std::size_t>(window_.height_px);
   narrowed_.assign(copies_ ? buffers_.count() : 0, std::vector<std::uint8_t>(size));
   for (std::size_t i = 0; i < buffers_.count(); ++i) {
-    if (buffers_.bytes(i).size() < stride_bytes_ * static_cast<std::size_t>(picture_height_px_)) {
+    if (buffers_.bytes(i).size() < picture_bytes_) {
       return fail(Errc::SizeMismatch, "%.100s: buffer smaller than its picture", config_.device.c_str());
     }
     BITELINE_TRY(buffers_.queue(i));
@@ -276,11 +317,11 @@ Result<void> V4l2Camera::start() {
        {&counters_.frames, &counters_.frames_lost, &counters_.frames_damaged, &counters_.underruns}) {
     *counter = 0;
   }
-  int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+  std::uint32_t type = node_.buffer_type();
   if (retrying_ioctl(device_.number(), VIDIOC_STREAMON, &type) < 0) {
     const int fault = errno;
     buffers_ = {};
-    return device_failure(fault, config_.device.c_str(), "start streaming");
+    return capture_failure(fault, config_.device, "start streaming");
   }
   state_ = State::Running;
   return {};
@@ -292,23 +333,14 @@ Result<FrameView> V4l2Camera::next_frame(Nanoseconds timeout) {
   const SensorClock::time_point deadline = monotonic_now() + timeout;
   while (true) {
     BITELINE_TRY(wait_readable(device_.number(), deadline - monotonic_now(), config_.device.c_str()));
-    Result<v4l2_buffer> buffer = dequeue();
-    if (buffer) return to_frame(*buffer);
+    std::size_t begin_bytes = 0;
+    const Result<v4l2_buffer> buffer = buffers_.dequeue(begin_bytes);
+    if (buffer) return to_frame(*buffer, begin_bytes);
     if (buffer.error().code != Errc::Timeout) return lost(buffer.error());
     // Readable without a buffer is an error state that poll reports at once, again and again; dequeue() tells
     // it apart from a buffer another wake-up took, which cannot happen with one owner.
     if (monotonic_now() >= deadline) return fail(Errc::Timeout, "%.100s", config_.device.c_str());
   }
-}
-
-Result<v4l2_buffer> V4l2Camera::dequeue() {
-  v4l2_buffer buffer{};
-  buffer.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
-  buffer.memory = buffers_.v4l2_memory();
-  if (retrying_ioctl(device_.number(), VIDIOC_DQBUF, &buffer) == 0) return buffer;
-  // EIO: the driver gave up on the stream (videobuf2: queue in error); only a new start helps.
-  if (errno == EAGAIN) return fail(Errc::Timeout, "%.100s", config_.device.c_str());
-  return device_failure(errno, config_.device.c_str(), "dequeue buffer");
 }
 
 tl::unexpected<Error> V4l2Camera::lost(const Error& error) {
@@ -318,7 +350,7 @@ tl::unexpected<Error> V4l2Camera::lost(const Error& error) {
   return tl::unexpected<Error>{told};
 }
 
-Result<FrameView> V4l2Camera::to_frame(const v4l2_buffer& buffer) {
+Result<FrameView> V4l2Camera::to_frame(const v4l2_buffer& buffer, std::size_t begin_bytes) {
   const std::size_t index = buffer.index;
   ++lent_;
   if (lent_ == buffers_.count()) counters_.underruns.fetch_add(1);
@@ -338,8 +370,9 @@ Result<FrameView> V4l2Camera::to_frame(const v4l2_buffer& buffer) {
   frame.sequence = sequence_;
 
   buffers_.begin_reading(index);
-  const std::span<const std::uint8_t> bytes = buffers_.bytes(index);
-  bool damaged = (buffer.flags & V4L2_BUF_FLAG_ERROR) != 0 || buffer.bytesused < picture_bytes_;
+  const std::span<const std::uint8_t> bytes = buffers_.bytes(index).subspan(begin_bytes);
+  bool damaged = (buffer.flags & V4L2_BUF_FLAG_ERROR) != 0 || buffer.bytesused < filled_bytes_ ||
+                 bytes.size() < filled_bytes_;
   if (copies_) {
     frame.pixels = narrowed_[index];
     frame.stride_bytes = static_cast<std::size_t>(window_.width_px);
@@ -347,7 +380,9 @@ Result<FrameView> V4l2Camera::to_frame(const v4l2_buffer& buffer) {
                          narrowed_[index]);
   } else {
     frame.stride_bytes = stride_bytes_;
-    frame.pixels = bytes.first(stride_bytes_ * static_cast<std::size_t>(window_.height_px));
+    const std::size_t lent_bytes = stride_bytes_ * static_cast<std::size_t>(window_.height_px);
+    damaged |= bytes.size() < lent_bytes;
+    frame.pixels = (damaged ? buffers_.bytes(index) : bytes).first(lent_bytes);
   }
   if (damaged) {
     frame.flags |= k_frame_damaged;
@@ -377,8 +412,9 @@ void V4l2Camera::place_in_time(const v4l2_buffer& buffer, FrameView& frame) cons
 void V4l2Camera::release(const FrameView& frame) noexcept {
   if (state_ != State::Running) return;  // stop() invalidated it
   for (std::size_t i = 0; i < buffers_.count(); ++i) {
-    const std::uint8_t* const start = copies_ ? narrowed_[i].data() : buffers_.bytes(i).data();
-    if (start != frame.pixels.data()) continue;
+    const std::span<const std::uint8_t> whole =
+        copies_ ? std::span{std::as_const(narrowed_[i])} : buffers_.bytes(i);
+    if (frame.pixels.data() < whole.data() || frame.pixels.data() >= whole.data() + whole.size()) continue;
     buffers_.end_reading(i);
     --lent_;
     // A refusal is a camera that went away; next_frame() says so.
@@ -397,7 +433,7 @@ Result<Nanoseconds> V4l2Camera::adjust_exposure(Nanoseconds exposure) {
 
 Result<void> V4l2Camera::stop() {
   if (state_ != State::Running) return {};
-  int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+  std::uint32_t type = node_.buffer_type();
   // Fails when the camera is gone, and streams no more in either case.
   static_cast<void>(retrying_ioctl(device_.number(), VIDIOC_STREAMOFF, &type));
   buffers_ = {};

@@ -11,6 +11,7 @@
 
 #include "hal/api/line_camera.hpp"
 #include "hal/linux/v4l2/buffers.hpp"
+#include "hal/linux/v4l2/capture_node.hpp"
 #include "hal/linux/v4l2/controls.hpp"
 #include "hal/linux/v4l2/pixel_format.hpp"
 
@@ -18,6 +19,10 @@ struct v4l2_buffer;
 
 namespace biteline::hal {
 
+/// The full picture, in which regions are counted: the driver's default crop; else the size that a
+/// calibration tells; else the one that the driver has, or, where the region does not fit into that (an
+/// earlier program left it), the largest that it lists.
+///
 /// A region is set in the driver where it can crop and cut out here where it cannot.  GREY frames that need
 /// no cutting are lent as the driver wrote them; all others are brought to 8 bits in buffers made at start().
 ///
@@ -41,6 +46,8 @@ class V4l2Camera final : public LineCamera {
   ~V4l2Camera() override;
 
   [[nodiscard]] Result<CameraLimits> limits() override;
+  [[nodiscard]] Result<geometry::CameraState> set_state(const geometry::CameraState& wanted) override;
+  [[nodiscard]] Result<geometry::CameraState> state() override;
   [[nodiscard]] Result<CameraSettings> configure(const CameraSettings& wanted) override;
   [[nodiscard]] Result<void> start() override;
   [[nodiscard]] Result<FrameView> next_frame(Nanoseconds timeout) override;
@@ -60,9 +67,13 @@ class V4l2Camera final : public LineCamera {
 
   V4l2Camera(Config config, Descriptor device, Descriptor control);
 
+  /// Where controls are: the sensor's sub-device first, where there is one.
+  [[nodiscard]] std::vector<int> control_devices() const;
   [[nodiscard]] int controls() const { return control_.is_open() ? control_.number() : device_.number(); }
+  Result<void> choose_format();
   Result<void> read_full_size();
-  Result<void> set_format(PictureWindow size);
+  void adopt_size(const geometry::CameraState& wanted);
+  Result<void> set_format(PictureSize size);
   /// true: the driver crops.
   [[nodiscard]] bool crop_in_driver(const geometry::Region& region);
   // `target`: crop (what of the sensor) or compose (where in the picture).
@@ -70,21 +81,23 @@ class V4l2Camera final : public LineCamera {
   [[nodiscard]] bool rectangle_is(std::uint32_t target, const geometry::Region& region) const;
   void set_rectangle(std::uint32_t target, const geometry::Region& region);
   double set_rate(double rate_hz);
-  Result<v4l2_buffer> dequeue();
-  Result<FrameView> to_frame(const v4l2_buffer& buffer);
+  Result<FrameView> to_frame(const v4l2_buffer& buffer, std::size_t begin_bytes);
   void place_in_time(const v4l2_buffer& buffer, FrameView& frame) const;
   tl::unexpected<Error> lost(const Error& error);
 
   Config config_;
   Descriptor device_;
   Descriptor control_;
+  CaptureNode node_;
   State state_{State::Open};
   PixelFormat format_{PixelFormat::Grey8};
-  int sensor_width_px_{0}, sensor_height_px_{0};
-  int picture_width_px_{0}, picture_height_px_{0};  ///< as the driver delivers it
+  PictureSize full_;                    ///< in which regions are counted
+  std::optional<PictureSize> largest_;  ///< to be taken for a region that does not fit into full_
+  PictureSize picture_;                 ///< as the driver delivers it
   std::size_t stride_bytes_{0};
-  std::size_t picture_bytes_{0};
-  PictureWindow window_;  ///< of the delivered picture
+  std::size_t picture_bytes_{0};  ///< of a buffer
+  std::size_t filled_bytes_{0};   ///< of a whole picture: buffers may have more room
+  PictureWindow window_;          ///< of the delivered picture
   bool copies_{false};
   CameraSettings settings_;
   std::optional<ExposureRegister> exposure_control_;

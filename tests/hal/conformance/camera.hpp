@@ -64,6 +64,25 @@ inline void check_camera(hal::LineCamera& sut, const CameraCase& wanted) {
   }
 }
 
+/// What the camera does to its picture: read, set back to what was read, and never told while it runs.
+inline void check_camera_state(hal::LineCamera& sut, const hal::CameraSettings& settings) {
+  const Result<geometry::CameraState> first = sut.state();
+  CHECK(first.has_value());
+  const Result<geometry::CameraState> again = sut.set_state(*first);
+  CHECK(again.has_value());
+  CHECK(geometry::contradictions(*first, *again).empty());
+  // Nothing told: nothing changes.
+  CHECK(geometry::contradictions(*first, *sut.set_state({})).empty());
+  CHECK(geometry::differences(geometry::plain_state(), *sut.set_state(geometry::plain_state())).empty());
+  CHECK(sut.configure(settings).has_value());
+  CHECK(sut.start().has_value());
+  CHECK(sut.set_state(geometry::plain_state()).error().code == Errc::WrongState);
+  const Result<geometry::CameraState> running = sut.state();
+  CHECK(running.has_value());
+  CHECK(geometry::differences(geometry::plain_state(), *running).empty());
+  CHECK(sut.stop().has_value());
+}
+
 /// All buffers lent: the camera must wait or lose, and say so, and go on when they come back.
 inline void check_camera_starved(hal::LineCamera& sut, const CameraCase& wanted) {
   CHECK(sut.configure(wanted.settings).has_value());
