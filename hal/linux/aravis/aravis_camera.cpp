@@ -107,8 +107,7 @@ Result<CameraLimits> AravisCamera::limits() {
   Call call(device_->config.address, "limits");
   CameraLimits limits;
   ArvCamera* camera = device_->camera;
-  arv_camera_get_sensor_size(camera, &limits.sensor_width_px, &limits.sensor_height_px, call);
-  if (call.failed()) return call.failure();
+  BITELINE_TRY(device_->full_size(limits.sensor_width_px, limits.sensor_height_px));
   limits.region_step_u_px = std::max(arv_camera_get_width_increment(camera, nullptr),
                                      arv_camera_get_x_offset_increment(camera, nullptr));
   limits.region_step_v_px = std::max(arv_camera_get_height_increment(camera, nullptr),

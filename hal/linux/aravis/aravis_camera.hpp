@@ -49,6 +49,8 @@ class AravisCamera final : public LineCamera {
 
   [[nodiscard]] Result<CameraLimits> limits() override;
   [[nodiscard]] Result<double> rate_max_hz() override;
+  [[nodiscard]] Result<geometry::CameraState> set_state(const geometry::CameraState& wanted) override;
+  [[nodiscard]] Result<geometry::CameraState> state() override;
   [[nodiscard]] Result<CameraSettings> configure(const CameraSettings& wanted) override;
   [[nodiscard]] Result<void> start() override;
   [[nodiscard]] Result<FrameView> next_frame(Nanoseconds timeout) override;

@@ -131,6 +131,8 @@ struct AravisCamera::Device {
     return present;
   }
 
+  /// Of the picture in which regions are counted: of a binned sensor less than it has.
+  Result<void> full_size(int& width_px, int& height_px) const;
   Result<void> set_trigger(Trigger trigger);
   Result<void> set_rate(double rate_hz);
   /// Rows of a frame by its height; height 0: of no known rows, taken in mid change.

@@ -25,10 +25,27 @@ std::string genicam_description() {
 
   xml.integer("SensorWidth", k_sensor_width, "RO", 0, "");
   xml.integer("SensorHeight", k_sensor_height, "RO", 0, "");
-  xml.integer("Width", k_width, "RW", 16, "SensorWidth");
-  xml.integer("Height", k_height, "RW", 4, "SensorHeight");
-  xml.integer("OffsetX", k_offset_x, "RW", 0, "SensorWidth");
-  xml.integer("OffsetY", k_offset_y, "RW", 0, "SensorHeight");
+  const auto largest = [&](const std::string& size, const std::string& axis) {
+    const std::string name = size + "Max";
+    xml.listed(name.c_str());
+    xml.line("<IntSwissKnife Name=\"" + name + "\" NameSpace=\"Standard\"><pVariable Name=\"S\">Sensor" +
+             size + "</pVariable><pVariable Name=\"B\">Binning" + axis +
+             "</pVariable><pVariable Name=\"D\">Decimation" + axis +
+             "</pVariable><Formula>S / (B * D)</Formula></IntSwissKnife>");
+  };
+  largest("Width", "Horizontal");
+  largest("Height", "Vertical");
+  xml.integer("Width", k_width, "RW", 16, "WidthMax");
+  xml.integer("Height", k_height, "RW", 4, "HeightMax");
+  xml.integer("OffsetX", k_offset_x, "RW", 0, "WidthMax");
+  xml.integer("OffsetY", k_offset_y, "RW", 0, "HeightMax");
+  xml.boolean("ReverseX", k_reverse_x);
+  xml.boolean("ReverseY", k_reverse_y);
+  xml.integer("BinningHorizontal", k_binning_x, "RW", 1, "4");
+  xml.integer("BinningVertical", k_binning_y, "RW", 1, "4");
+  xml.integer("DecimationHorizontal", k_decimation_x, "RW", 1, "4");
+  xml.integer("DecimationVertical", k_decimation_y, "RW", 1, "4");
+  xml.real("BlackLevel", k_black_level, "RW", 1, 0, 64);
   xml.choices("PixelFormat", k_pixel_format, "RW", {{"Mono8", 0x01080001}});
 
   xml.choices("AcquisitionMode", k_acquisition_mode, "RW",

@@ -45,6 +45,16 @@ inline constexpr std::uint32_t k_sequencer_start = 0x448;
 inline constexpr std::uint32_t k_sequencer_begun_anew = 0x44c;  ///< a client has written the one before
 inline constexpr std::uint32_t k_sequencer_next = 0x450;        ///< and + 4 for set 1
 inline constexpr std::uint32_t k_gain_centidb = 0x458;
+inline constexpr std::uint32_t k_reverse_x = 0x45c;
+inline constexpr std::uint32_t k_reverse_y = 0x460;
+inline constexpr std::uint32_t k_binning_x =
+    0x464;  ///< BinningHorizontal; a pixel is the mean of the binned ones
+inline constexpr std::uint32_t k_binning_y = 0x468;
+inline constexpr std::uint32_t k_decimation_x = 0x474;
+inline constexpr std::uint32_t k_decimation_y = 0x478;
+inline constexpr std::uint32_t k_black_level = 0x47c;  ///< added to each pixel
+inline constexpr std::uint32_t k_state_locked =
+    0x480;  ///< the camera's own: clients write none of the seven above
 /// What set 1 has of its own (exposure, line sources) stands so far behind what set 0 has.
 inline constexpr std::uint32_t k_set_stride = 0x350;
 }  // namespace gv_register

@@ -8,6 +8,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <chrono>
@@ -170,6 +171,8 @@ Result<std::unique_ptr<GvCamera>> GvCamera::open(const Config& config, Painter p
   device.write_text(k_vendor_name, k_gv_vendor);
   device.write_text(k_model_name, k_gv_model);
   device.write(k_temperature_millidegc_register, k_temperature_millidegc);
+  for (const std::uint32_t factor : {k_binning_x, k_binning_y, k_decimation_x, k_decimation_y})
+    device.write(factor, 1);
   if (config.resends) device.write(k_gvcp_capability, device.read(k_gvcp_capability) | k_can_resend);
   device.write(k_ptp_enable, config.ptp ? 1 : 0);
   device.write(k_ptp_status, config.ptp ? k_ptp_slave : k_ptp_disabled);
@@ -209,6 +212,53 @@ void GvCamera::trigger(SensorClock::time_point edge) {
   exposed_until_ = edge + edges_.back().exposure;
   device_->write(gv_register::k_trigger_fire, 1);
   device_->wake();
+}
+
+void GvCamera::leave(std::uint32_t address, std::uint32_t value) {
+  device_->write(address, value);
+}
+
+void GvCamera::lock_state() {
+  device_->write(gv_register::k_state_locked, 1);
+}
+
+void GvCamera::paint_as_set(GvExposure& exposure, std::span<std::uint8_t> pixels) {
+  using namespace gv_register;
+  const auto set = [&](std::uint32_t address) { return static_cast<int>(device_->read(address)); };
+  const int step_u = std::max(1, set(k_binning_x) * set(k_decimation_x)),
+            step_v = std::max(1, set(k_binning_y) * set(k_decimation_y));
+  const bool reverse_x = set(k_reverse_x) != 0, reverse_y = set(k_reverse_y) != 0;
+  const int black_level = set(k_black_level);
+  if (step_u == 1 && step_v == 1 && !reverse_x && !reverse_y && black_level == 0)
+    return painter_(exposure, pixels);
+  // Of the sensor's own pixels: a reversed picture's region is counted from its other end.
+  const geometry::Region asked = exposure.region;
+  geometry::Region& region = exposure.region;
+  region = {.offset_u_px = asked.offset_u_px * step_u,
+            .offset_v_px = asked.offset_v_px * step_v,
+            .width_px = asked.width_px * step_u,
+            .height_px = asked.height_px * step_v};
+  if (reverse_x) region.offset_u_px = config_.sensor_width_px - region.offset_u_px - region.width_px;
+  if (reverse_y) region.offset_v_px = config_.sensor_height_px - region.offset_v_px - region.height_px;
+  unbinned_.resize(static_cast<std::size_t>(region.width_px) * static_cast<std::size_t>(region.height_px));
+  painter_(exposure, unbinned_);
+  const int binned_u = std::max(1, set(k_binning_x)), binned_v = std::max(1, set(k_binning_y));
+  for (int v = 0; v < asked.height_px; ++v) {
+    for (int u = 0; u < asked.width_px; ++u) {
+      const int from_u = (reverse_x ? asked.width_px - 1 - u : u) * step_u,
+                from_v = (reverse_y ? asked.height_px - 1 - v : v) * step_v;
+      int sum = 0;
+      for (int j = 0; j < binned_v; ++j) {
+        for (int i = 0; i < binned_u; ++i) {
+          sum += unbinned_[static_cast<std::size_t>(from_v + j) * static_cast<std::size_t>(region.width_px) +
+                           static_cast<std::size_t>(from_u + i)];
+        }
+      }
+      pixels[static_cast<std::size_t>(v) * static_cast<std::size_t>(asked.width_px) +
+             static_cast<std::size_t>(u)] =
+          static_cast<std::uint8_t>(std::min(255, sum / (binned_u * binned_v) + black_level));
+    }
+  }
 }
 
 void GvCamera::paint(void* buffer_pointer) {
@@ -252,8 +302,8 @@ void GvCamera::paint(void* buffer_pointer) {
   // Aravis reports no size here: the buffer is as large as the picture by the payload's definition.
   std::size_t unused = 0;
   auto* pixels = static_cast<std::uint8_t*>(const_cast<void*>(arv_buffer_get_data(buffer, &unused)));
-  painter_(exposure, {pixels, static_cast<std::size_t>(exposure.region.width_px) *
-                                  static_cast<std::size_t>(exposure.region.height_px)});
+  paint_as_set(exposure, {pixels, static_cast<std::size_t>(exposure.region.width_px) *
+                                      static_cast<std::size_t>(exposure.region.height_px)});
   const Nanoseconds stamp = exposure.begin.time_since_epoch() + config_.clock_offset;
   arv_buffer_set_timestamp(buffer, static_cast<guint64>(stamp.count()));
   arv_buffer_set_frame_id(buffer, number);

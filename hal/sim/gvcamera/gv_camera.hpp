@@ -10,6 +10,7 @@
 #include <mutex>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "common/core/result.hpp"
 #include "common/geometry/sensor_model.hpp"
@@ -49,6 +50,13 @@ class GvCamera {
     double lost_packet_ratio{0};  ///< of the packets of the stream, thrown away before sending
     bool resends{false};  ///< says that it can send packets again: a LossyLine stands before it, which does
   };
+  /// Registers of genicam_description.hpp as another program left them, before anybody opens the camera, or
+  /// while one has it; a real camera would not let two.
+  void leave(std::uint32_t address, std::uint32_t value);
+  /// From now on clients write ReverseX to BlackLevel without effect, as with a camera whose set-up is
+  /// locked.
+  void lock_state();
+
   /// Fills region.width * region.height pixels.
   using Painter = std::function<void(const GvExposure&, std::span<std::uint8_t>)>;
 
@@ -75,6 +83,8 @@ class GvCamera {
   };
   explicit GvCamera(const Config& config, Painter painter);
   void paint(void* buffer);
+  /// By the painter, of the whole sensor's own pixels: then binned, reversed and raised as the registers say.
+  void paint_as_set(GvExposure& exposure, std::span<std::uint8_t> pixels);
 
   Config config_;
   Painter painter_;
@@ -84,7 +94,8 @@ class GvCamera {
   SensorClock::time_point exposed_until_{};  ///< of the last edge that was taken up
   std::uint32_t stream_port_{0};
   std::uint64_t frames_of_sequence_{
-      0};  ///< since power-up, or since the sequencer began; camera's own thread
+      0};                               ///< since power-up, or since the sequencer began; camera's own thread
+  std::vector<std::uint8_t> unbinned_;  ///< camera's own thread
   std::atomic<std::uint64_t> exposures_{0};
   std::atomic<std::uint64_t> triggers_missed_{0};
 };

@@ -58,6 +58,10 @@ constexpr std::array k_writable{
     Writable{0x448, 0x448, 0, 1},     // SequencerSetStart
     Writable{0x450, 0x454, 0, 1},     // SequencerSetNext
     Writable{0x458, 0x458, 0, 2400},  // Gain, hundredths of a decibel
+    Writable{0x45c, 0x460, 0, 1},     // ReverseX, ReverseY
+    Writable{0x464, 0x468, 1, 4},     // BinningHorizontal, BinningVertical
+    Writable{0x474, 0x478, 1, 4},     // DecimationHorizontal, DecimationVertical
+    Writable{0x47c, 0x47c, 0, 64},    // BlackLevel
 };
 /// Stream packet size: low half; flags such as "fire a test packet" above it are not kept.
 constexpr std::uint32_t k_packet_size = 0xd04, k_packet_size_mask = 0xffff;
@@ -112,12 +116,16 @@ std::uint32_t description_bytes(ArvFakeCamera* camera) {
 
 GvGeometry geometry_of(ArvFakeCamera* camera) {
   using namespace gv_register;
-  return {.sensor_width = read_word(camera, k_sensor_width),
-          .sensor_height = read_word(camera, k_sensor_height),
+  const auto divided = [&](std::uint32_t size, std::uint32_t binning, std::uint32_t decimation) {
+    return read_word(camera, size) / std::max(1U, read_word(camera, binning) * read_word(camera, decimation));
+  };
+  return {.sensor_width = divided(k_sensor_width, k_binning_x, k_decimation_x),
+          .sensor_height = divided(k_sensor_height, k_binning_y, k_decimation_y),
           .width = read_word(camera, k_width),
           .height = read_word(camera, k_height),
           .offset_x = read_word(camera, k_offset_x),
-          .offset_y = read_word(camera, k_offset_y)};
+          .offset_y = read_word(camera, k_offset_y),
+          .state_locked = read_word(camera, k_state_locked) != 0};
 }
 
 }  // namespace
@@ -151,6 +159,10 @@ gige::Status may_write(std::uint32_t address, std::uint32_t value, const GvGeome
     default:
       break;
   }
+  const bool of_state = address == k_reverse_x || address == k_reverse_y || address == k_binning_x ||
+                        address == k_binning_y || address == k_decimation_x || address == k_decimation_y ||
+                        address == k_black_level;
+  if (of_state && now.state_locked) return gige::Status::WriteProtected;
   const auto* row = std::ranges::find_if(
       k_writable, [&](const Writable& each) { return address >= each.first && address <= each.last; });
   return row == k_writable.end() ? gige::Status::WriteProtected : within(value, row->minimum, row->maximum);

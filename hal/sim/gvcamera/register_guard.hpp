@@ -23,8 +23,9 @@ struct GvRange {
 
 /// What bounds a write besides the table of registers.
 struct GvGeometry {
-  std::uint32_t sensor_width{0}, sensor_height{0};
+  std::uint32_t sensor_width{0}, sensor_height{0};  ///< binned
   std::uint32_t width{0}, height{0}, offset_x{0}, offset_y{0};
+  bool state_locked{false};
 };
 /// A client's write of one register.
 [[nodiscard]] gige::Status may_write(std::uint32_t address, std::uint32_t value, const GvGeometry& now);
