@@ -40,8 +40,7 @@ class Walk {
       }
       case Opcode::Attachment: {
         BITELINE_ASSIGN(const Attachment attachment, parse<Attachment>(content));
-        if (attachment.crc != 0 &&
-            crc32(content.first(content.size() - sizeof attachment.crc)) != attachment.crc)
+        if (attachment.crc != 0 && crc32(summed_bytes(content, attachment)) != attachment.crc)
           return fail(Errc::BadFormat, "an attachment whose check sum differs");
         return handlers_.on_attachment ? tell(handlers_.on_attachment(attachment)) : Result<void>{};
       }

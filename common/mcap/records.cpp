@@ -192,6 +192,12 @@ Result<Record> parse(View content) {
   return record;
 }
 
+View summed_bytes(View content, const Attachment& attachment) {
+  // The data are the last field before the sum, and borrowed from `content`.
+  const auto* const end = attachment.data.data() + attachment.data.size();
+  return content.first(static_cast<std::size_t>(end - content.data()));
+}
+
 std::string name_of(std::uint8_t opcode) {
   if (opcode >= 1 && opcode <= k_names.size()) return k_names.at(opcode - 1U);
   return "record " + std::to_string(opcode);

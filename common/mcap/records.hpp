@@ -24,8 +24,6 @@ using Map = std::map<std::string, std::string>;
 inline constexpr std::array<std::uint8_t, 8> k_magic{0x89, 'M', 'C', 'A', 'P', '0', '\r', '\n'};
 /// Before each record's content: opcode and 64-bit length.
 inline constexpr std::size_t k_record_head_bytes = 9;
-/// Of a footer, which never grows: it is found from the file's end.
-inline constexpr std::size_t k_footer_bytes = k_record_head_bytes + 20;
 
 enum class Opcode : std::uint8_t {
   Header = 1,
@@ -125,7 +123,7 @@ struct Attachment {
   std::string name;
   std::string media_type;
   View data;
-  std::uint32_t crc{0};  ///< of everything before it; 0: not told
+  std::uint32_t crc{0};  ///< of the fields before it; 0: not told
 };
 
 struct AttachmentIndex {
@@ -189,6 +187,10 @@ void append_record(const Record& record, Bytes& out);
 /// Errc::BadFormat, naming the kind of record.
 template <class Record>
 [[nodiscard]] Result<Record> parse(View content);
+
+/// What an attachment's check sum covers: its fields before the sum.  Behind the sum a later version's fields
+/// may stand.  Pre: `attachment` was parsed from `content`.
+[[nodiscard]] View summed_bytes(View content, const Attachment& attachment);
 
 /// "chunk" and so on; "record 42" for an opcode of a later version.
 [[nodiscard]] std::string name_of(std::uint8_t opcode);

@@ -207,7 +207,7 @@ class Verifier {
     const auto attachment = read<Attachment>(record);
     if (!attachment) return;
     check_sum_told(attachment->crc);
-    const std::uint32_t crc = crc32(record.content.first(record.content.size() - sizeof crc));
+    const std::uint32_t crc = crc32(summed_bytes(record.content, *attachment));
     if (crc != attachment->crc && (attachment->crc != 0 || has_chain_))
       note(record.start, "attachment '" + attachment->name + "': its check sum differs");
     attachments_.push_back({.offset = record.start,
@@ -301,8 +301,10 @@ class Verifier {
     if (!footer) return;
     check_sum_told(footer->summary_crc);
     check_statistics();
-    const std::uint32_t crc =
-        crc32(record.whole.first(record.whole.size() - sizeof footer->summary_crc), crc_);
+    // Up to the sum itself; behind it a later version's fields may stand.
+    constexpr std::size_t k_before_sum =
+        k_record_head_bytes + sizeof footer->summary_start + sizeof footer->summary_offset_start;
+    const std::uint32_t crc = crc32(record.whole.first(k_before_sum), crc_);
     if (footer->summary_crc != crc && (footer->summary_crc != 0 || has_chain_))
       note(record.start, "the summary's check sum differs");
     const std::uint64_t start = groups_.empty() ? 0 : summary_start_;
