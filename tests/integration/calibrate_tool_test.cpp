@@ -2,6 +2,7 @@
 // biteline calibrate and biteline target as a script sees them: files, exit status, one line on stderr.
 #include <CppUTest/TestHarness.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "common/config/yaml_reader.hpp"
@@ -36,13 +37,20 @@ TEST_GROUP(CalibrateTool) {
                  std::string("rows: 4\ncols: 5\npitch: 14\nouter_diameter: 12\ninner_diameter: 6\n") + extra);
   }
 
-  void write_views(int count) {
+  /// `shake_px`: rows lie beside where they belong, in each picture otherwise, as behind a shutter that
+  /// rolls while the head shakes.
+  void write_views(int count, double shake_px = 0) {
     fs::create_directories(folder.path() / "camera");
     int number = 0;
     for (const test::ViewPlace& place : test::varied_places(count, random)) {
+      const auto shaken = [shake_px, number](const Vec2& at) {
+        constexpr double k_wave_px = 25, k_phase_rad = 2.4;
+        return Vec2(at.x() + shake_px * std::sin(at.y() / k_wave_px + k_phase_rad * number), at.y());
+      };
       const image::GreyImage picture = test::draw_rings(
           scene, {test::T_cam_target_of(scene.target, place)},
-          {.noise_grey = 1.5, .blur_px = 0.8, .samples = 2, .light = {}, .covered = {}}, random);
+          {.noise_grey = 1.5, .blur_px = 0.8, .samples = 2, .sampled_at = shaken, .light = {}, .covered = {}},
+          random);
       SUCCEEDS(image::write_png(folder.path() / "camera" / (std::to_string(number++) + ".png"), picture));
     }
   }
@@ -122,6 +130,26 @@ TEST(CalibrateTool, TwoViewsAreRefusedAndAnOlderResultIsGone) {
   STRCMP_EQUAL("refused", report()["status"].get<std::string>().c_str());
   STRCMP_CONTAINS("at least 3", report()["reason"].get<std::string>().c_str());
   CHECK_FALSE(fs::exists(out() / "sensor.yaml"));
+}
+
+TEST(CalibrateTool, BadGradeIsRefusedAndWritesNoCalibration) {
+  write_target("");
+  write_views(10, 0.8);
+  folder.write("out/sensor.yaml", "of an earlier run\n");
+  folder.write("out/uncertainty.yaml", "of an earlier run\n");
+  LONGS_EQUAL(3, run({"calibrate", "camera", folder.path().string(), "--out", out().string()}, "refused"));
+  STRCMP_EQUAL("refused", report()["status"].get<std::string>().c_str());
+  STRCMP_EQUAL("calibration_bad", report()["reason_code"].get<std::string>().c_str());
+  STRCMP_CONTAINS("rings off by [px]", report()["reason"].get<std::string>().c_str());
+  STRCMP_EQUAL("bad", report()["verdict"]["grade"].get<std::string>().c_str());
+  CHECK_FALSE(fs::exists(out() / "sensor.yaml"));
+  CHECK_FALSE(fs::exists(out() / "uncertainty.yaml"));
+  CHECK(fs::exists(out() / "index.html"));
+  CHECK(fs::exists(out() / "stages/rings_camera.png"));
+  // The step, taken: the same places again, with the head at rest.
+  write_views(10);
+  LONGS_EQUAL(0, run({"calibrate", "camera", folder.path().string(), "--out", out().string()}, ""));
+  CHECK(fs::exists(out() / "sensor.yaml"));
 }
 
 TEST(CalibrateTool, ScanThatCannotTellTheClockCostsTheClockOnly) {

@@ -57,11 +57,13 @@ Result<std::set<std::string>> parts_of(const CalibrateOptions& options) {
   return parts;
 }
 
+/// `more`: further lines for a person.
 Result<ExitStatus> refuse(report::Report& report, const calibration::Refusal& refusal,
-                          const CalibrateOptions& options, const GlobalOptions& global) {
+                          const CalibrateOptions& options, const GlobalOptions& global,
+                          const std::string& more = {}) {
   report.refuse(refusal);
   BITELINE_TRY(report.write(options.out));
-  return tell(report, global, "biteline: refused: " + refusal.reason);
+  return tell(report, global, "biteline: refused: " + refusal.reason + more);
 }
 
 Result<calibration::HeadInput> read_input(const CalibrateOptions& options, const std::set<std::string>& parts,
@@ -202,12 +204,17 @@ void say(const calibration::HeadCalibration& result, const GlobalOptions& global
     std::fprintf(stderr, "biteline: set aside %s: %s\n", one.name.c_str(), one.reason.c_str());
 }
 
+std::string retake_words(const calibration::Verdict& verdict) {
+  std::string words;
+  for (const std::string& picture : verdict.retake) words += "\n  retake " + picture;
+  return words;
+}
+
 /// "calibration: fair", what keeps it from good, and what to take again.
 std::string words_of(const calibration::Verdict& verdict) {
   std::string words = std::string{"calibration: "} + calibration::name_of(verdict.grade);
   for (const std::string& reason : verdict.reasons) words += "\n  " + reason;
-  for (const std::string& picture : verdict.retake) words += "\n  retake " + picture;
-  return words;
+  return words + retake_words(verdict);
 }
 
 Result<ExitStatus> calibrate(const CalibrateOptions& options, const GlobalOptions& global) {
@@ -250,6 +257,9 @@ Result<ExitStatus> calibrate(const CalibrateOptions& options, const GlobalOption
       return tl::unexpected<Error>(*result.refused);
     return refuse(report, calibration::refusal_of(result.refused_in, *result.refused), options, global);
   }
+  // Not to be used: what is not written cannot be.
+  if (verdict.grade == calibration::Grade::Bad)
+    return refuse(report, calibration::refusal_of(verdict), options, global, retake_words(verdict));
 
   geometry::SensorModel sensor = known.value_or(geometry::SensorModel{});
   std::set<std::string> told = parts;

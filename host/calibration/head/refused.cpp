@@ -27,6 +27,8 @@ std::span<const report::RefusalRow<Refused>> refusal_table(Refused) {
       Row{ClockNotDetermined, "clock_not_determined",
           "scan one place twice, each time with another velocity"},
       Row{ClockNotConverged, "clock_not_converged", "record clock/ again"},
+      Row{GradeBad, "calibration_bad",
+          "take the pictures again that the report names, with focus, lens and target left alone"},
   };
   return k_rows;
 }

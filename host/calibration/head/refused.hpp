@@ -27,6 +27,7 @@ enum class Refused {
   ClockNotTrusted,
   ClockNotDetermined,
   ClockNotConverged,
+  GradeBad,  ///< it was worked out, and its own figures say that it is not to be used
 };
 
 [[nodiscard]] std::span<const report::RefusalRow<Refused>> refusal_table(Refused);

@@ -119,4 +119,12 @@ Verdict judge(const HeadCalibration& head) {
   return all;
 }
 
+Refusal refusal_of(const Verdict& verdict) {
+  BITELINE_EXPECTS(verdict.grade == Grade::Bad);
+  Refusal refusal{.code = Refused::GradeBad, .reason = "the calibration is bad"};
+  for (std::size_t i = 0; i < verdict.reasons.size(); ++i)
+    refusal.reason += (i == 0 ? ": " : "; ") + verdict.reasons[i];
+  return refusal;
+}
+
 }  // namespace biteline::calibration

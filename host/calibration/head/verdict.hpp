@@ -25,4 +25,7 @@ struct Verdict {
 /// The worst of the parts; refused is bad.  Pictures that were set aside are among those to retake.
 [[nodiscard]] Verdict judge(const HeadCalibration& head);
 
+/// Pre: the grade is bad.
+[[nodiscard]] Refusal refusal_of(const Verdict& verdict);
+
 }  // namespace biteline::calibration
