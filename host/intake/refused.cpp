@@ -13,6 +13,8 @@ std::span<const report::RefusalRow<Refused>> refusal_table(Refused) {
       report::RefusalRow<Refused>{
           Refused::ScanSetAside, "scan_set_aside",
           "scan the shoe again, and keep this folder: its recording shows the defect"},
+      report::RefusalRow<Refused>{Refused::ScanStopped, "stopped_by_a_person",
+                                  "start, then scan the shoe again"},
   };
   return k_rows;
 }

@@ -10,6 +10,7 @@ enum class Refused {
   ScanNotComplete,  ///< it ended before its own end: sensor, poses, light or the link failed
   TestPattern,      ///< the sensor showed made pictures
   ScanSetAside,     ///< working it out failed before: it must not end the service again and again
+  ScanStopped,      ///< a person said stop before it was whole
 };
 
 [[nodiscard]] std::span<const report::RefusalRow<Refused>> refusal_table(Refused);

@@ -85,13 +85,18 @@ Result<void> Cockpit::listen() {
       control::Server::open(
           server, {.urgent = [this](const control::Request& request) { return api_->urgent(request); },
                    .ordinary = [this](const control::Request& request) { return api_->ordinary(request); },
-                   .is_long = &api::Api::is_long}));
+                   .is_long = &api::Api::is_long,
+                   .stops = [this] { return stops_.count(); }}));
   address_ = server_->address();
   return {};
 }
 
 void Cockpit::wish(Wish wish) {
   const std::lock_guard lock{mutex_};
+  wish_locked(std::move(wish));
+}
+
+void Cockpit::wish_locked(Wish wish) {
   // The last of a kind counts, so there are never more than kinds and scans that were held.
   std::erase_if(wishes_,
                 [&](const Wish& other) { return other.kind == wish.kind && other.scan == wish.scan; });
@@ -104,6 +109,11 @@ std::optional<Wish> Cockpit::next_wish() {
   Wish wish = std::move(wishes_.front());
   wishes_.pop_front();
   return wish;
+}
+
+void Cockpit::drop(const Wish& wish) {
+  const std::lock_guard lock{mutex_};
+  if (wish.kind == Wish::Kind::Mended && mending_ == wish.scan) mending_.clear();
 }
 
 bool Cockpit::wants_hold(const std::string& scan) const {
@@ -205,17 +215,27 @@ double Cockpit::cycle_s() const {
   return cycle_begun_ ? std::chrono::duration<double>(Clock::now() - *cycle_begun_).count() : 0;
 }
 
-void Cockpit::hold(const std::string& scan, Wait wait, std::optional<double> fresh_s) {
+void Cockpit::hold(const std::string& scan, Wait wait, std::optional<double> fresh_s,
+                   const std::optional<robot::StopMark>& mark) {
   const std::lock_guard lock{mutex_};
+  if (mending_ == scan) mending_.clear();
+  if (!scan.empty() && mark.value_or(go_).stopped()) {
+    ended_ = scan;
+    return;
+  }
   held_ = scan;
   wait_ = wait;
   fresh_until_.reset();
   if (fresh_s)
     fresh_until_ =
         Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(*fresh_s));
-  if (mending_ == scan) mending_.clear();
   if (going_on_ == scan) going_on_.clear();
   if (scan.empty()) hold_wanted_.clear();
+}
+
+bool Cockpit::mends(const std::string& scan) const {
+  const std::lock_guard lock{mutex_};
+  return mending_ == scan;
 }
 
 void Cockpit::tell_scan(const std::string& scan) {

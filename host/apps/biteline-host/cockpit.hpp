@@ -66,6 +66,7 @@ struct Wish {
   std::string settings{};                          ///< a whole settings file
   wire::Command command{wire::Command::KeepLast};  ///< of Keep
   std::uint32_t question{0};                       ///< which answer_settings() is to name
+  robot::StopMark mark{};                          ///< of when it was heard
 };
 
 /// Owns memory, accounts, API and control end.  Thread: the doors' threads call the Cell's methods, the
@@ -83,6 +84,8 @@ class Cockpit final : public api::Cell {
   [[nodiscard]] const std::string& address() const { return address_; }
 
   [[nodiscard]] std::optional<Wish> next_wish();
+  /// It is not heeded, as it was said before a stop.
+  void drop(const Wish& wish);
   /// As a stop that no person said.
   void halt() { stops_.stop(); }
   /// Of the last start that was taken; of the service's own until there is one.
@@ -119,8 +122,12 @@ class Cockpit final : public api::Cell {
   /// The scan waits for a person until its name is empty again; only one that waits for a word can be
   /// accepted, and only one that waits for its model can be given one.
   /// `fresh_s`: for so long the gate lets it through for its age; nothing: it does not at all, or it has no
-  /// path.
-  void hold(const std::string& scan, Wait wait = Wait::Word, std::optional<double> fresh_s = {});
+  /// path.  `mark`: of the start that the scan comes of, nothing: of the last one; where somebody has said
+  /// stop since, it does not wait.
+  void hold(const std::string& scan, Wait wait = Wait::Word, std::optional<double> fresh_s = {},
+            const std::optional<robot::StopMark>& mark = {});
+  /// Somebody mends its line.
+  [[nodiscard]] bool mends(const std::string& scan) const;
   /// While it is held no person's word about a scan is taken.  Whoever reads a scan's row and writes it again
   /// holds it, and who holds a scan writes its row and calls hold() under one of it: then a word never finds
   /// one without the other, and none is overwritten.
@@ -134,16 +141,16 @@ class Cockpit final : public api::Cell {
   [[nodiscard]] api::Json sensors() override;
   void stop(const std::string& who) override;
   void laser_off(const std::string& who) override;
-  [[nodiscard]] Result<void> start(const api::Job& job, const std::string& who) override;
+  [[nodiscard]] Result<void> start(const api::Job& job, const api::Speaker& who) override;
   [[nodiscard]] Result<void> rescan(const Rescan& order) override;
   [[nodiscard]] Result<void> decide(const api::Decision& decision) override;
   [[nodiscard]] Result<void> choose_model(const std::string& scan, const std::string& model,
-                                          const std::string& who) override;
+                                          const api::Speaker& who) override;
   [[nodiscard]] Result<void> choose_process(const std::string& scan, const std::string& process,
-                                            const std::string& who) override;
-  [[nodiscard]] Result<void> run_in_air(const std::string& scan, const std::string& who) override;
+                                            const api::Speaker& who) override;
+  [[nodiscard]] Result<void> run_in_air(const std::string& scan, const api::Speaker& who) override;
   [[nodiscard]] Result<void> begin_mend(const std::string& scan) override;
-  void end_mend(const std::string& scan, bool mended, const std::string& who) override;
+  void end_mend(const std::string& scan, bool mended, const api::Speaker& who) override;
   [[nodiscard]] Result<void> change_settings(const std::vector<api::SettingChange>& changes,
                                              const std::string& who) override;
   [[nodiscard]] Result<std::string> keep_recording(bool next, const std::string& who) override;
@@ -151,7 +158,7 @@ class Cockpit final : public api::Cell {
   [[nodiscard]] line_control::LineState line_state() override;
   [[nodiscard]] std::optional<api::Job> job_of(int number) override;
   [[nodiscard]] line_control::Refusal choose_job(int number, bool control_held) override;
-  [[nodiscard]] LineStart start_for_line(int request, bool control_held) override;
+  [[nodiscard]] LineStart start_for_line(int request, bool control_held, std::uint64_t stops) override;
   [[nodiscard]] Result<int> rerun(const api::RerunOrder& order) override;
   [[nodiscard]] Result<api::TriedPath> try_process(const std::string& scan,
                                                    const path::Process& process) override;
@@ -166,8 +173,11 @@ class Cockpit final : public api::Cell {
   /// What waits for a person, and for what; null: nothing.
   [[nodiscard]] api::Json held_json_locked() const;
   void wish(Wish wish);
+  void wish_locked(Wish wish);
+  /// Arm, scan, what waits and what was said end here; the service's thread tells the sensor.
+  void end_all(Wish::Kind kind, const std::string& who);
   /// The scan that is held goes on: nobody can say a word about it until it is held again.
-  [[nodiscard]] Result<void> take_held_locked(const std::string& scan);
+  [[nodiscard]] Result<void> take_held_locked(const std::string& scan, const robot::StopMark& mark);
   void go_on_locked();
   /// Of the scans to come; one in work waits as it was asked for.
   void hold_all_locked(bool hold);
@@ -175,8 +185,9 @@ class Cockpit final : public api::Cell {
   [[nodiscard]] Result<void> keep_hold(bool hold, const std::string& who);
   /// Of an order that was refused: kept is what is in force.
   void keep_what_holds(const std::string& who);
-  void go(const api::Job& job, const std::string& who);
-  void pause_by_person();
+  void go_locked(Wish wish);
+  /// What of the state a stop changes.
+  void show_stopped_locked(api::Json& state) const;
   [[nodiscard]] line_control::Standing standing_locked(bool control_held) const;
 
   /// Pre: no other question is on its way.  Waits, unlocked, for the sensor's answer to the wish; `silent`:
@@ -199,7 +210,9 @@ class Cockpit final : public api::Cell {
   mutable std::mutex mutex_;
   line_control::Cycle cycle_;
   bool stopped_{false};  ///< by a person
-  robot::StopMark go_;   ///< of the last start
+  std::string stopped_by_;
+  std::string ended_;   ///< the last scan that waited when somebody said stop
+  robot::StopMark go_;  ///< of the last start
   std::deque<Wish> wishes_;
   std::string hold_wanted_;
   bool hold_all_{false};   ///< of the job that a person started

@@ -26,16 +26,10 @@ void Cockpit::give_up_start() {
   paused_ = true;
 }
 
-void Cockpit::pause_by_person() {
-  give_up_start();
-  const std::lock_guard lock{mutex_};
-  paused_ = true;
-  stopped_ = true;
-}
-
 void Cockpit::end_cycle(const memory::Scan& scan) {
   const std::lock_guard lock{mutex_};
   if (going_on_ == scan.name) going_on_.clear();
+  if (mending_ == scan.name) mending_.clear();
   cycle_.scan_ends({.scan = scan.name,
                     .verdict = scan.verdict,
                     .model = scan.model,
@@ -66,16 +60,21 @@ Refusal Cockpit::choose_job(int number, bool control_held) {
   return cycle_.choose(number, standing_locked(control_held));
 }
 
-api::Cell::LineStart Cockpit::start_for_line(int request, bool control_held) {
-  std::optional<line_control::Job> job;
+api::Cell::LineStart Cockpit::start_for_line(int request, bool control_held, std::uint64_t stops) {
+  const robot::StopMark mark = stops_.at(stops);
   {
     const std::lock_guard lock{mutex_};
-    line_control::Cycle::Start start = cycle_.start(request, standing_locked(control_held));
+    line_control::Standing standing = standing_locked(control_held);
+    // It waited, and somebody said stop meanwhile; who then started again did not mean this one.
+    standing.stopped = standing.stopped || mark.stopped();
+    const line_control::Cycle::Start start = cycle_.start(request, standing);
     if (!start.go) return {.refusal = start.refusal, .fresh = false};
-    job = std::move(start.go);
     hold_all_locked(false);
+    go_locked({.kind = Wish::Kind::Start,
+               .who = "the line's control",
+               .job = {.model = start.go->model, .process = start.go->process},
+               .mark = mark});
   }
-  go({.model = job->model, .process = job->process}, "the line's control");
   static_cast<void>(keep_hold(false, "the line's control"));
   return {.refusal = Refusal::None, .fresh = true};
 }

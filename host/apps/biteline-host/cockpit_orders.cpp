@@ -6,41 +6,59 @@
 #include "host/apps/biteline-host/steps.hpp"
 
 namespace biteline::service {
+namespace {
+
+/// Of an order that waited past a stop.
+tl::unexpected<Error> over() {
+  return fail(Errc::WrongState, "a stop came after this was said; start again, when the cell is clear");
+}
+
+}  // namespace
 
 void Cockpit::stop(const std::string& who) {
-  stops_.stop();
-  pause_by_person();
-  wish({.kind = Wish::Kind::Stop, .scan = {}, .who = who, .why = {}});
+  end_all(Wish::Kind::Stop, who);
 }
 
 void Cockpit::laser_off(const std::string& who) {
-  stops_.stop();
-  pause_by_person();
-  wish({.kind = Wish::Kind::LaserOff, .scan = {}, .who = who, .why = {}});
+  end_all(Wish::Kind::LaserOff, who);
 }
 
-Result<void> Cockpit::start(const api::Job& job, const std::string& who) {
+void Cockpit::end_all(Wish::Kind kind, const std::string& who) {
+  // The deed: all that follows tells of it.
+  stops_.stop();
+  const std::lock_guard lock{mutex_};
+  if (cycle_.on_demand()) cycle_.give_up();
+  paused_ = true;
+  stopped_ = true;
+  stopped_by_ = who;
+  if (!held_.empty()) ended_ = std::exchange(held_, {});
+  wish_locked({.kind = kind, .who = who});
+}
+
+Result<void> Cockpit::start(const api::Job& job, const api::Speaker& said) {
+  const robot::StopMark mark = stops_.at(said.stops);
+  const std::string& who = said.name;
+  if (mark.stopped()) return over();
   if (job.hold) BITELINE_TRY(keep_hold(true, who));
   const Result<void> begun = [&]() -> Result<void> {
     const std::lock_guard lock{mutex_};
+    if (mark.stopped()) return over();
     if (!held_.empty())
       return fail(Errc::WrongState, "%s waits for a person; accept or reject it first", held_.c_str());
-    // It would take back a stop that an ordered run in the air has not met yet.
     if (!going_on_.empty())
       return fail(Errc::WrongState, "%s is in work; start when it waits again, or is done",
                   going_on_.c_str());
     if (cycle_.on_demand() && cycle_.busy())
       return fail(Errc::WrongState, "a scan is in work, and each start is one scan; wait for its end");
     cycle_.begin(0);
-    stopped_ = false;
     hold_all_locked(job.hold);
+    go_locked({.kind = Wish::Kind::Start, .who = who, .job = job, .mark = mark});
     return {};
   }();
   if (!begun) {
     keep_what_holds(who);
     return begun;
   }
-  go(job, who);
   // Where it cannot be kept a restart holds on: that is the safe side.
   if (!job.hold) static_cast<void>(keep_hold(false, who));
   return {};
@@ -80,19 +98,20 @@ void Cockpit::hold_all_locked(bool hold) {
   hold_all_ = hold;
 }
 
-void Cockpit::go(const api::Job& job, const std::string& who) {
-  {
-    const std::lock_guard lock{mutex_};
-    go_ = stops_.now();
-    paused_ = false;
-  }
-  wish({.kind = Wish::Kind::Start, .scan = {}, .who = who, .why = {}, .job = job});
+void Cockpit::go_locked(Wish wish) {
+  go_ = wish.mark;
+  paused_ = false;
+  stopped_ = false;
+  ended_.clear();
+  wish_locked(std::move(wish));
 }
 
 Result<void> Cockpit::rescan(const Rescan& order) {
+  const robot::StopMark mark = stops_.at(order.stops);
   std::string held;
   {
     const std::lock_guard lock{mutex_};
+    if (mark.stopped()) return over();
     if (phase_ == Phase::Following) return fail(Errc::WrongState, "the arm follows a path; stop it first");
     if (!going_on_.empty())
       return fail(Errc::WrongState, "%s is in work; scan again when it waits again, or is done",
@@ -107,21 +126,25 @@ Result<void> Cockpit::rescan(const Rescan& order) {
                                           .scan = held,
                                           .who = order.who,
                                           .why = "scanned again: " + order.why,
-                                          .door = order.door});
+                                          .door = order.door,
+                                          .stops = order.stops});
     if (!rejected) {
       keep_what_holds(order.who);
       return rejected;
     }
   }
-  {
+  const bool begun = [&] {
     const std::lock_guard lock{mutex_};
+    if (mark.stopped()) return false;
     cycle_.begin(0);
-    stopped_ = false;
     hold_all_locked(order.hold);
-    go_ = stops_.now();
-    paused_ = false;
+    go_locked({.kind = Wish::Kind::Rescan, .who = order.who, .why = order.why, .mark = mark});
+    return true;
+  }();
+  if (!begun) {
+    keep_what_holds(order.who);
+    return over();
   }
-  wish({.kind = Wish::Kind::Rescan, .scan = {}, .who = order.who, .why = order.why});
   if (!order.hold) static_cast<void>(keep_hold(false, order.who));
   return {};
 }
@@ -131,15 +154,25 @@ Result<void> Cockpit::decide(const api::Decision& decision) {
   const std::unique_lock words = between_words();
   bool held = false;
   bool in_work = false;
+  bool ended = false;
   Wait wait = Wait::Word;
+  const robot::StopMark mark = stops_.at(decision.stops);
   {
     const std::lock_guard lock{mutex_};
+    const bool moves = decision.kind == Accept || decision.kind == Send;
+    if (moves && mark.stopped() && ended_ != decision.scan) return over();
     if (mending_ == decision.scan)
       return fail(Errc::WrongState, "%s is being mended; decide when its path is checked", mending_.c_str());
     // A no would meet a path that is planned or run: stop it, or wait until it is held again.
     if (decision.kind == Reject && going_on_ == decision.scan)
       return fail(Errc::WrongState, "%s is in work; reject it when it waits again", going_on_.c_str());
+    // Whoever says no would believe that the arm stands.
+    if (decision.kind == Reject && held_ != decision.scan && scan_ == decision.scan &&
+        phase_ == Phase::Following)
+      return fail(Errc::WrongState, "the arm follows %s; stop it (POST /commands/stop)",
+                  decision.scan.c_str());
     held = held_ == decision.scan;
+    ended = ended_ == decision.scan;
     wait = wait_;
     in_work = !held && hold_wanted_ == decision.scan;
     if (decision.kind == Hold && !held && scan_ == decision.scan &&
@@ -168,6 +201,10 @@ Result<void> Cockpit::decide(const api::Decision& decision) {
     return fail(Errc::WrongState,
                 "%s has no checked path; mend its line, choose another process, or reject it",
                 decision.scan.c_str());
+  const bool was_stopped = ended || scan->reason_code == report::refusal_row(robot::Refused::Stopped).name;
+  if (sends && !held && was_stopped)
+    return fail(Errc::WrongState, "%s was stopped and waits no longer; start, then scan the shoe again",
+                decision.scan.c_str());
   if (sends && !held)
     return fail(Errc::WrongState, "%s does not wait for a word; scan the shoe again", decision.scan.c_str());
   // It would wait for a word all the same, as nobody tells the result's thread.
@@ -175,6 +212,11 @@ Result<void> Cockpit::decide(const api::Decision& decision) {
     return fail(Errc::WrongState, "%s is in work; reject it when it waits for a word", decision.scan.c_str());
   if (decision.kind == Reject && scan->sent)
     return fail(Errc::WrongState, "%s was sent already", decision.scan.c_str());
+  if (decision.kind == Reject && scan->decision == "accepted")
+    return fail(Errc::WrongState, "%s was accepted; stop the arm (POST /commands/stop)",
+                decision.scan.c_str());
+  if (decision.kind == Reject && scan->decision == "rejected")
+    return fail(Errc::WrongState, "%s was rejected already", decision.scan.c_str());
   const std::string before = scan->decision;
   scan->decision = sends ? "accepted" : decision.kind == Reject ? "rejected" : "held";
   scan->decided_by = decision.who;
@@ -194,30 +236,35 @@ Result<void> Cockpit::decide(const api::Decision& decision) {
     wish({.kind = sends ? Wish::Kind::Send : Wish::Kind::Reject,
           .scan = decision.scan,
           .who = decision.who,
-          .why = decision.why});
+          .why = decision.why,
+          .mark = mark});
   }
   tell_scan(decision.scan);
   return {};
 }
 
 Result<void> Cockpit::choose_model(const std::string& scan, const std::string& model,
-                                   const std::string& who) {
+                                   const api::Speaker& who) {
   const std::unique_lock words = between_words();
+  const robot::StopMark mark = stops_.at(who.stops);
   {
     const std::lock_guard lock{mutex_};
+    if (mark.stopped()) return over();
     if (held_ != scan || wait_ != Wait::Model)
       return fail(Errc::WrongState, "%s does not wait for its model", scan.c_str());
     go_on_locked();
   }
   wish({.kind = Wish::Kind::Model,
         .scan = scan,
-        .who = who,
+        .who = who.name,
         .why = {},
-        .job = {.model = model, .process = {}}});
+        .job = {.model = model, .process = {}},
+        .mark = mark});
   return {};
 }
 
-Result<void> Cockpit::take_held_locked(const std::string& scan) {
+Result<void> Cockpit::take_held_locked(const std::string& scan, const robot::StopMark& mark) {
+  if (mark.stopped()) return over();
   if (!config_.rerun_arm)
     return fail(Errc::WrongState, "no path is planned without an arm; start the service with --robot");
   if (mending_ == scan) return fail(Errc::WrongState, "%s is being mended; wait for it", mending_.c_str());
@@ -234,30 +281,33 @@ void Cockpit::go_on_locked() {
 }
 
 Result<void> Cockpit::choose_process(const std::string& scan, const std::string& process,
-                                     const std::string& who) {
+                                     const api::Speaker& who) {
   const std::unique_lock words = between_words();
+  const robot::StopMark mark = stops_.at(who.stops);
   {
     const std::lock_guard lock{mutex_};
-    BITELINE_TRY(take_held_locked(scan));
+    BITELINE_TRY(take_held_locked(scan, mark));
   }
   wish({.kind = Wish::Kind::Process,
         .scan = scan,
-        .who = who,
+        .who = who.name,
         .why = {},
-        .job = {.model = {}, .process = process}});
+        .job = {.model = {}, .process = process},
+        .mark = mark});
   return {};
 }
 
-Result<void> Cockpit::run_in_air(const std::string& scan, const std::string& who) {
+Result<void> Cockpit::run_in_air(const std::string& scan, const api::Speaker& who) {
   const std::unique_lock words = between_words();
+  const robot::StopMark mark = stops_.at(who.stops);
   {
     const std::lock_guard lock{mutex_};
     if (held_ == scan && wait_ != Wait::Word)
       return fail(Errc::WrongState, "%s has no checked path yet; choose its process, or its model",
                   scan.c_str());
-    BITELINE_TRY(take_held_locked(scan));
+    BITELINE_TRY(take_held_locked(scan, mark));
   }
-  wish({.kind = Wish::Kind::Air, .scan = scan, .who = who, .why = {}});
+  wish({.kind = Wish::Kind::Air, .scan = scan, .who = who.name, .why = {}, .mark = mark});
   return {};
 }
 
@@ -279,7 +329,7 @@ Result<void> Cockpit::begin_mend(const std::string& scan) {
   return {};
 }
 
-void Cockpit::end_mend(const std::string& scan, bool mended, const std::string& who) {
+void Cockpit::end_mend(const std::string& scan, bool mended, const api::Speaker& who) {
   {
     const std::lock_guard lock{mutex_};
     if (!mended || held_ != scan) {
@@ -288,7 +338,7 @@ void Cockpit::end_mend(const std::string& scan, bool mended, const std::string& 
     }
   }
   // What waits gets its path planned anew; until then nobody can accept it.
-  wish({.kind = Wish::Kind::Mended, .scan = scan, .who = who, .why = {}});
+  wish({.kind = Wish::Kind::Mended, .scan = scan, .who = who.name, .why = {}, .mark = stops_.at(who.stops)});
 }
 
 Result<int> Cockpit::rerun(const api::RerunOrder& order) {

@@ -62,6 +62,19 @@ Json Cockpit::held_json_locked() const {
   return held;
 }
 
+void Cockpit::show_stopped_locked(Json& state) const {
+  std::string words = "stopped by " + stopped_by_;
+  // An arm that comes to rest is told as it is.
+  if (phase_ == Phase::Following) {
+    state["now"] = words + "; " + now_;
+    return;
+  }
+  if (!ended_.empty()) words += "; " + ended_ + " waits no longer";
+  state["phase"] = k_phases.at(static_cast<std::size_t>(Phase::Stopped));
+  state["now"] = words;
+  state["next"] = "start, when the cell is clear";
+}
+
 Json Cockpit::state_locked() const {
   const bool connected = sensor_lost_.empty();
   Json lamps;
@@ -100,6 +113,7 @@ Json Cockpit::state_locked() const {
       {"model", nullptr},
       {"process", api::or_null(process_)}};
   state["held"] = held_json_locked();
+  if (stopped_) show_stopped_locked(state);
   if (!model_.empty()) state["model"] = {{"name", model_}, {"probability", model_probability_}};
   return state;
 }

@@ -18,11 +18,15 @@ namespace {
 using namespace biteline;
 
 std::atomic<bool> g_stop{false};
+robot::Stops g_stops;
 static_assert(std::atomic<bool>::is_always_lock_free, "set in a signal handler");
 
 void heed_stop_signals() {
   struct sigaction action {};
-  action.sa_handler = [](int) { g_stop = true; };
+  action.sa_handler = [](int) {
+    g_stops.stop();
+    g_stop = true;
+  };
   sigaction(SIGTERM, &action, nullptr);
   sigaction(SIGINT, &action, nullptr);
   std::signal(SIGPIPE, SIG_IGN);
@@ -42,7 +46,7 @@ Result<ExitStatus> save_or_restore(const service::Options& options) {
 Result<ExitStatus> run(const service::Options& options) {
   if (!options.backup.empty() || !options.restore.empty()) return save_or_restore(options);
   if (options.exit_with_parent) prctl(PR_SET_PDEATHSIG, SIGTERM);
-  BITELINE_ASSIGN(service::Service host, service::Service::create(options));
+  BITELINE_ASSIGN(service::Service host, service::Service::create(options, g_stops));
   return host.run(g_stop);
 }
 

@@ -39,7 +39,7 @@ void wait_before_retry(const std::atomic<bool>& stop) {
 
 }  // namespace
 
-Result<Service> Service::create(const Options& options) {
+Result<Service> Service::create(const Options& options, robot::Stops& stops) {
   std::optional<wire::HostKeys> keys;
   if (options.keys) {
     BITELINE_ASSIGN(keys, wire::read_host_keys(*options.keys));
@@ -94,7 +94,8 @@ Result<Service> Service::create(const Options& options) {
                                         : std::nullopt,
                      .endpoint = options.doors.control,
                      .keys = std::move(control_keys),
-                     .jobs = std::move(jobs)}));
+                     .jobs = std::move(jobs),
+                     .stops = &stops}));
   if (options.doors.guest) {
     BITELINE_ASSIGN(const std::string token, cockpit->accounts().make_guest_token());
     BITELINE_TRY(write_secret(*options.doors.guest, token + "\n"));
@@ -117,9 +118,11 @@ Result<ExitStatus> Service::run(const std::atomic<bool>& stop) {
   if (const Result<int> rows = take_up_rows(cockpit_->memory(), options_.out); !rows) complain(rows.error());
   if (cockpit_->has_doors()) say_step("doors come in at %s", cockpit_->address().c_str());
   find_unfinished();
+  look_for_next_folder();
   while (!stop) {
     keep_web();
     heed_wishes();
+    end_what_was_stopped();
     if (!scan_ && !result_.valid() && !waits() && !unfinished_.empty()) {
       const fs::path folder = std::move(unfinished_.front());
       unfinished_.pop_front();

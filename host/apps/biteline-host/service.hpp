@@ -34,7 +34,8 @@ class Service {
   /// Reads keys, process, arm and sample first: a fault there is told before anything moves.  Holds the
   /// folder of the results, and the arm when paths are to be sent, for as long as it lives: Errc::PeerRefused
   /// names who holds them.
-  [[nodiscard]] static Result<Service> create(const Options& options);
+  /// `stops`: counted up here and by the process's signals; they outlive it.
+  [[nodiscard]] static Result<Service> create(const Options& options, robot::Stops& stops);
 
   /// Until `stop`; with `once` until the first scan's result.  A link or a robot that fails is one plain line
   /// and, without `once`, tried again: a scan that was cut off goes on where it stood.
@@ -67,12 +68,18 @@ class Service {
     std::optional<HostClock::time_point> ended{};
     Chosen chosen{};
     robot::StopMark mark{};  ///< of the start that it comes of
+    bool stopped{false};     ///< somebody said stop before its end was in
     bool drifted{false};     ///< the calibration has, as this scan and those before it show
     /// What this scan shows of it, looked at meanwhile; none: not yet, or no more.
     std::future<Result<drift::Evidence>> calibration{};
     bool calibration_checked{false};
     std::future<std::optional<kinematics::Joints>>
         arm_rad{};  ///< where it stood after the scan, asked meanwhile
+  };
+  /// Of the sensor, for a scan that has neither begun nor been refused.
+  struct Asked {
+    robot::StopMark mark{};
+    int connection{0};
   };
   /// A checked path that waits for a person's word.
   struct Held {
@@ -109,10 +116,15 @@ class Service {
   /// Takes up the next of them, or sets it aside when a predecessor died of it.
   [[nodiscard]] Result<void> take_up(const std::filesystem::path& folder);
   [[nodiscard]] std::filesystem::path next_folder() const;
+  /// The same, looked for ahead of time: the memory may be slow, and a stop must not wait on this thread.
+  [[nodiscard]] std::filesystem::path take_next_folder();
+  void look_for_next_folder();
 
   /// Stop, Laser off, what a person decided: of the doors.
   void heed_wishes();
   void heed(const Wish& wish);
+  /// What waits for a person and comes of a start before a stop waits no longer: its row says so.
+  void end_what_was_stopped();
   /// Of what is held: `work` gets it on the result's thread.
   template <class Work>
   void go_on_with_held(const Wish& wish, const char* words, Work work);
@@ -173,8 +185,10 @@ class Service {
   [[nodiscard]] bool waits() const { return held_ || unnamed_; }
   /// Sends what waited, with a person's word.
   [[nodiscard]] Result<ExitStatus> send_held(Held held, const robot::Word& word);
-  /// The scan's row, of its folder; a memory that cannot take it is told, and costs no scan.
-  void remember(const std::filesystem::path& folder, const std::string& decision, const Chosen& chosen);
+  /// The scan's row, of its folder; a memory that cannot take it is told, and costs no scan.  `stopped`: it
+  /// waited, and a stop has ended that.
+  void remember(const std::filesystem::path& folder, const std::string& decision, const Chosen& chosen,
+                bool stopped = false);
   /// The scan is done with: its messages stay or go.
   void end_recording(intake::ScanIntake& intake, ExitStatus status);
   [[nodiscard]] robot::ScanFacts facts_of(const Scan& scan, const intake::ScanOutcome& outcome) const;
@@ -187,7 +201,7 @@ class Service {
   [[nodiscard]] bool confirmed(const std::filesystem::path& folder) const;
 
   Options options_;
-  const std::atomic<bool>* stop_{nullptr};  ///< of run(); halts the cockpit, and so an arm that follows
+  const std::atomic<bool>* stop_{nullptr};  ///< of run()
   std::optional<wire::HostKeys> keys_;
   std::optional<Robot> robot_;
   std::optional<Carrier> carrier_;
@@ -195,22 +209,23 @@ class Service {
   std::unique_ptr<Cockpit> cockpit_;
   std::deque<std::filesystem::path> unfinished_;  ///< folders, still to be taken up
   std::unique_ptr<intake::SensorLink> link_;
-  std::optional<Scan> scan_;                ///< coming in
-  int links_{0};                            ///< opened to the sensor so far
-  bool sensor_idle_{false};                 ///< it waits to be asked for a scan
-  std::optional<robot::StopMark> asked_{};  ///< for a scan that has neither begun nor been refused
-  std::vector<Wish> later_{};               ///< of what is held, until the result's thread has ended
-  bool told_held_{false};                   ///< doors know that a scan waits
-  std::optional<Held> held_;                ///< by the result's thread; read when that is done
-  std::optional<Unnamed> unnamed_;          ///< the same
+  std::optional<Scan> scan_;  ///< coming in
+  int links_{0};              ///< opened to the sensor so far
+  bool sensor_idle_{false};   ///< it waits to be asked for a scan
+  std::optional<Asked> asked_{};
+  std::vector<Wish> later_{};       ///< of what is held, until the result's thread has ended
+  bool told_held_{false};           ///< doors know that a scan waits
+  std::optional<Held> held_;        ///< by the result's thread; read when that is done
+  std::optional<Unnamed> unnamed_;  ///< the same
   std::optional<intake::ChildProcess> web_;
   HostClock::time_point web_started_{};
   HostClock::time_point robot_asked_{};
   bool robot_wrong_{false};
   bool robot_moves_{false};  ///< and that is all that is wrong: it will stand
   std::unique_ptr<std::mutex> job_mutex_{std::make_unique<std::mutex>()};
-  api::Job job_;                            ///< chosen at a door; read by the result's thread
-  bool sensor_heard_{false};                ///< on this connection
+  api::Job job_;              ///< chosen at a door; read by the result's thread
+  bool sensor_heard_{false};  ///< on this connection
+  std::future<std::filesystem::path> next_folder_;
   std::future<Result<ExitStatus>> result_;  ///< being worked out; last: its thread uses the rest
 };
 

@@ -38,7 +38,7 @@ void Service::show_idle() {
   if (scan_) return;
   const bool waits_for_start = cockpit_->paused() && cockpit_->waits_for_start();
   if (cockpit_->paused() && !waits_for_start) {
-    cockpit_->show(Phase::Stopped, "stopped", "start, when the cell is clear");
+    cockpit_->show(Phase::Stopped, "no scan is asked for", "start, when the cell is clear");
   } else if (!sensor_heard_) {
     cockpit_->show(Phase::Fault, "no sensor", "it is called again each second");
   } else if (robot_wrong_) {
@@ -59,9 +59,10 @@ void Service::tell_held() {
       fresh_s = held_->plan.request.process.gate.scan_age_s - age_s;
     }
     cockpit_->hold(held_->folder.filename().string(),
-                   held_->plan.outcome.path ? Cockpit::Wait::Word : Cockpit::Wait::Mend, fresh_s);
+                   held_->plan.outcome.path ? Cockpit::Wait::Word : Cockpit::Wait::Mend, fresh_s,
+                   held_->request.mark);
   } else {
-    cockpit_->hold(unnamed_->scan.folder.filename().string(), Cockpit::Wait::Model);
+    cockpit_->hold(unnamed_->scan.folder.filename().string(), Cockpit::Wait::Model, {}, unnamed_->scan.mark);
   }
   told_held_ = true;
 }
@@ -107,9 +108,29 @@ void Service::heed_wishes() {
   for (const Wish& wish : std::exchange(later_, {})) heed(wish);
 }
 
+void Service::end_what_was_stopped() {
+  if (result_.valid() || !waits()) return;
+  const robot::StopMark& mark = held_ ? held_->request.mark : unnamed_->scan.mark;
+  // A line that is being mended is a whole one when its row is written.
+  if (!mark.stopped() || cockpit_->mends((held_ ? held_->folder : unnamed_->scan.folder).filename().string()))
+    return;
+  told_held_ = false;
+  // Not here: the memory may be slow, and the sensor must hear this thread.
+  result_ = std::async(std::launch::async, [this, held = std::exchange(held_, {}),
+                                            unnamed = std::exchange(unnamed_, {})]() mutable {
+    pthread_setname_np(pthread_self(), "bl-result");
+    const std::filesystem::path folder = held ? held->folder : unnamed->scan.folder;
+    say_step("%s waits no longer: it was stopped", folder.filename().c_str());
+    end_recording(held ? held->intake : unnamed->scan.intake, ExitStatus::Refused);
+    remember(folder, "open", held ? held->chosen : unnamed->scan.chosen, true);
+    return Result<ExitStatus>{ExitStatus::Refused};
+  });
+}
+
 template <class Work>
 void Service::go_on_with_held(const Wish& wish, const char* words, Work work) {
   if (result_.valid() || !held_ || held_->folder.filename() != wish.scan) return;
+  if (held_->request.mark.stopped()) return;
   say_step("%s %s by %s", wish.scan.c_str(), words, wish.who.c_str());
   told_held_ = false;
   result_ = std::async(std::launch::async, [held = std::move(*held_), work = std::move(work)]() mutable {
@@ -120,10 +141,16 @@ void Service::go_on_with_held(const Wish& wish, const char* words, Work work) {
 }
 
 void Service::heed(const Wish& wish) {
+  // What was said before a stop is over.
+  const bool of_person = wish.kind != Wish::Kind::Stop && wish.kind != Wish::Kind::LaserOff &&
+                         wish.kind != Wish::Kind::Settings && wish.kind != Wish::Kind::Keep;
+  if (of_person && wish.mark.stopped()) return cockpit_->drop(wish);
   switch (wish.kind) {
     case Wish::Kind::Stop:
     case Wish::Kind::LaserOff:
       say_step("%s by %s", wish.kind == Wish::Kind::Stop ? "stopped" : "laser off", wish.who.c_str());
+      // A scan of a start that came after it goes on.
+      if ((scan_ && !scan_->mark.stopped()) || (asked_ && !asked_->mark.stopped())) return;
       if (link_) {
         link_->command(
             {.id = k_stop_id,
@@ -141,7 +168,9 @@ void Service::heed(const Wish& wish) {
       if (link_ && !scan_ && !result_.valid()) sensor_idle_ = true;
       return;
     case Wish::Kind::Model:
-      if (result_.valid() || !unnamed_ || unnamed_->scan.folder.filename() != wish.scan) return;
+      if (result_.valid() || !unnamed_ || unnamed_->scan.mark.stopped() ||
+          unnamed_->scan.folder.filename() != wish.scan)
+        return;
       say_step("%s is named %s by %s", wish.scan.c_str(), wish.job.model.c_str(), wish.who.c_str());
       told_held_ = false;
       result_ = std::async(std::launch::async,
@@ -187,7 +216,8 @@ void Service::heed(const Wish& wish) {
           return plan_with(std::move(held), process);
         });
       }
-      if (result_.valid() || unnamed_->scan.folder.filename() != wish.scan) return;
+      if (result_.valid() || unnamed_->scan.mark.stopped() || unnamed_->scan.folder.filename() != wish.scan)
+        return;
       say_step("%s goes on with %s by %s", wish.scan.c_str(), wish.job.process.c_str(), wish.who.c_str());
       told_held_ = false;
       result_ = std::async(std::launch::async,

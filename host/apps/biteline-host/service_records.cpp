@@ -14,7 +14,8 @@ namespace fs = std::filesystem;
 
 }  // namespace
 
-void Service::remember(const fs::path& folder, const std::string& decision, const Chosen& chosen) {
+void Service::remember(const fs::path& folder, const std::string& decision, const Chosen& chosen,
+                       bool stopped) {
   std::optional<memory::Scan> row = row_of(folder);
   if (!row) {
     // No report: a device or the disk failed, not the scan.
@@ -36,6 +37,8 @@ void Service::remember(const fs::path& folder, const std::string& decision, cons
       row->decision = "rejected";
       still_held = false;
     }
+    // A yes that the stop came after.
+    if (stopped && (*before)->decision == "accepted") row->decision = "accepted";
   }
   // Nothing was approved where nothing was sent.
   if (decision == "automatic" && !row->sent) row->decision = "open";
@@ -52,6 +55,13 @@ void Service::remember(const fs::path& folder, const std::string& decision, cons
     row->reason_code = told.reason_code;
     row->reason = told.reason;
     row->next_step = "choose its model, or reject it";
+  }
+  if (stopped) {
+    const report::ToldRefusal told = report::told(report::Refusal<robot::Refused>{
+        .code = robot::Refused::Stopped, .reason = "stopped while it waited for a person"});
+    row->reason_code = told.reason_code;
+    row->reason = told.reason;
+    row->next_step = told.next_step;
   }
   row->versions.assign(R"({"program":")").append(BITELINE_VERSION);
   if (chosen.release) row->versions.append(R"(","release":")").append(chosen.release->hash);

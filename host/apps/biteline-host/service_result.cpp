@@ -105,6 +105,8 @@ api::Stock Service::stock_for(const Chosen& chosen) const {
 
 Result<LineStep> Service::work_out_line(Scan& scan, intake::ScanOutcome& outcome) {
   outcome = scan.intake.finish();
+  outcome.stopped = scan.stopped;
+  if (scan.stopped && !outcome.failure) outcome.failure = fail(Errc::Refused, "a person said stop").value();
   BITELINE_TRY(choose_release(scan.chosen));
   const KnownBefore known = known_before();
   if (carrier_) {

@@ -41,7 +41,10 @@ Result<void> Service::hear_sensor() {
     sensor_idle_ = false;
   }
   // The next scan only once the arm is out of its way, and what was left of earlier ones is done.
-  if (sensor_idle_ && !scan_ && !result_.valid() && !waits() && unfinished_.empty() && !cockpit_->paused()) {
+  // What was asked for on a connection that is gone may never have come there.
+  const bool asks = asked_ && asked_->connection == connection();
+  if (sensor_idle_ && !asks && !scan_ && !result_.valid() && !waits() && unfinished_.empty() &&
+      !cockpit_->paused()) {
     // A robot that is not ready would cost a scan that nobody can use.
     if (!robot_ready()) {
       // A start that takes effect whenever somebody mends the robot would surprise him.
@@ -55,7 +58,8 @@ Result<void> Service::hear_sensor() {
     // A stop that came while the robot was asked is one.
     if (const std::optional<robot::StopMark> mark = cockpit_->begin_cycle()) {
       sensor_idle_ = false;
-      asked_ = mark;
+      // Should the scan that was asked for before begin after all, it is as old as that.
+      asked_ = Asked{.mark = asked_ ? asked_->mark : *mark, .connection = connection()};
       link_->command({.id = k_start_id, .command = wire::Command::StartScan});
     }
   }
@@ -80,6 +84,7 @@ Result<void> Service::on_event(const intake::LinkEvent& event) {
       return {};
     }
     if (reply->errc == 0 || reply->id != k_start_id) return {};
+    asked_.reset();
     return fail(Errc::PeerRefused, "the sensor does not begin a scan: %s", reply->where.c_str());
   }
   if (!scan_) return {};  // the rest of a scan that was over before this host came
@@ -88,6 +93,7 @@ Result<void> Service::on_event(const intake::LinkEvent& event) {
   cockpit_->show_progress(scan_->intake.profiles(), scan_->intake.profiles_expected());
   if (scan_->intake.ended() && !scan_->ended) {
     scan_->ended = now();
+    scan_->stopped = scan_->mark.stopped();
     scan_->one_connection = !scan_->recovered && scan_->connection == connection();
   }
   link_->acknowledge();
@@ -105,6 +111,7 @@ Result<void> Service::on_hello(const intake::Hello& hello) {
     // What there is of it is kept and told; it is not a result.
     say_step("the sensor no longer has the rest of %s", scan_->folder.filename().c_str());
     Scan cut_off = std::move(*scan_);
+    cut_off.stopped = cut_off.mark.stopped();
     scan_.reset();
     BITELINE_TRY(work_out(std::move(cut_off)));
   }
@@ -118,10 +125,12 @@ Result<void> Service::on_hello(const intake::Hello& hello) {
     say_step("connected to %s%s; asks for a scan", hello.sensor.name.c_str(),
              hello.sensor.simulated ? " (simulated)" : "");
     sensor_idle_ = true;
+    asked_.reset();
     return {};
   }
-  const fs::path folder = next_folder();
+  const fs::path folder = take_next_folder();
   BITELINE_TRY(report::prepare_folder(folder));
+  look_for_next_folder();
   BITELINE_ASSIGN(intake::ScanIntake intake, intake::ScanIntake::begin(folder, hello, link_->packet()));
   hold_scan(folder, std::move(intake));
   say_step("takes in scan '%s' of %s%s into %s", hello.sensor.scan_name.c_str(), hello.sensor.name.c_str(),
@@ -133,7 +142,7 @@ void Service::hold_scan(const fs::path& folder, intake::ScanIntake intake) {
   cockpit_->show_scan(folder.filename().string());
   cockpit_->show(Phase::Scanning, folder.filename().string() + " comes in", "its line");
   scan_.emplace(Scan{.folder = folder, .intake = std::move(intake), .line = {}, .connection = connection()});
-  scan_->mark = asked_ ? *asked_ : cockpit_->going();
+  scan_->mark = asked_ ? asked_->mark : cockpit_->going();
   asked_.reset();
   if (carrier_) return;
   scan_->line = std::make_unique<intake::LiveLine>(bite_line::Config{});
@@ -185,6 +194,20 @@ fs::path Service::next_folder() const {
     const Result<std::optional<memory::Scan>> known = cockpit_->memory().scan(name);
     if (!fs::exists(options_.out / name, error) && !(known && *known)) return options_.out / name;
   }
+}
+
+void Service::look_for_next_folder() {
+  next_folder_ = std::async(std::launch::async, [this] { return next_folder(); });
+}
+
+fs::path Service::take_next_folder() {
+  if (next_folder_.valid()) {
+    const fs::path folder = next_folder_.get();
+    std::error_code error;
+    // Somebody may have put one there by hand meanwhile.
+    if (!fs::exists(folder, error)) return folder;
+  }
+  return next_folder();
 }
 
 int Service::connection() const {

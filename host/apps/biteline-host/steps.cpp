@@ -48,7 +48,10 @@ bool sent_before(const fs::path& folder) {
 Result<LineStep> keep_unfinished(const fs::path& folder, const intake::ScanOutcome& scan,
                                  report::Report& report) {
   const intake::Refusal refusal =
-      scan.sensor.test_pattern
+      scan.stopped ? intake::Refusal{.code = intake::Refused::ScanStopped,
+                                     .reason = "a person said stop before the scan was whole; " +
+                                               std::to_string(scan.counts.profiles) + " profiles are kept"}
+      : scan.sensor.test_pattern
           ? intake::Refusal{.code = intake::Refused::TestPattern, .reason = scan.failure->where.c_str()}
           : intake::Refusal{.code = intake::Refused::ScanNotComplete,
                             .reason = "the scan is not complete after " +

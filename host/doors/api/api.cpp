@@ -297,7 +297,7 @@ Answer Api::start(const Call& call) {
     if (!stock) return answer_of(stock.error());
     if (const auto process = stock->processes.find(job.process); !process) return answer_of(process.error());
   }
-  const Result<void> done = rooms_.cell.start(job, call.person.name);
+  const Result<void> done = rooms_.cell.start(job, speaker(call));
   if (!done) return answer_of(done.error());
   static_cast<void>(rooms_.memory.log({.id = 0,
                                        .time = memory::now_ms(),
@@ -315,8 +315,11 @@ Answer Api::rescan(const Call& call) {
   const std::string why = fields.text("why", k_most_why);
   const bool hold = fields.boolean("hold").value_or(false);
   if (const std::optional<Answer> faults = fields.faults()) return *faults;
-  const Result<void> done =
-      rooms_.cell.rescan({.who = call.person.name, .why = why, .door = call.request.door, .hold = hold});
+  const Result<void> done = rooms_.cell.rescan({.who = call.person.name,
+                                                .why = why,
+                                                .door = call.request.door,
+                                                .hold = hold,
+                                                .stops = call.request.stops});
   if (!done) return answer_of(done.error());
   static_cast<void>(rooms_.memory.log({.id = 0,
                                        .time = memory::now_ms(),

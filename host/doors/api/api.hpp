@@ -39,6 +39,10 @@ struct Call {
 };
 
 /// Thread: safe from any; of ordinary() one that is_long() and one that is not at a time.
+[[nodiscard]] inline Speaker speaker(const Call& call) {
+  return {call.person.name, call.request.stops};
+}
+
 class Api {
  public:
   explicit Api(Rooms rooms) : rooms_{std::move(rooms)}, mounted_{rooms_.memory, rooms_.cell} {}

@@ -18,6 +18,15 @@ namespace biteline::api {
 
 using control::Json;
 
+/// Who says something, and how many stops the service had counted when it heard it.  Without a number it was
+/// said before every stop: a stop ends what was said before it, also where it waited and comes later.
+struct Speaker {
+  std::string name;
+  std::uint64_t stops{0};
+  Speaker(const char* name_) : name{name_} {}
+  Speaker(std::string name_, std::uint64_t stops_ = 0) : name{std::move(name_)}, stops{stops_} {}
+};
+
 /// A person's word on one scan.
 struct Decision {
   enum class Kind { Accept, Reject, Hold, Send };
@@ -25,7 +34,8 @@ struct Decision {
   std::string scan;
   std::string who;
   std::string why;
-  std::string door;  ///< through which the word came
+  std::string door;        ///< through which the word came
+  std::uint64_t stops{0};  ///< as of a Speaker
 };
 
 /// What the next scan is worked with, until another is chosen.  Empty: as recognised.
@@ -61,17 +71,19 @@ class Cell {
   [[nodiscard]] virtual Json robots() = 0;
   [[nodiscard]] virtual Json sensors() = 0;
 
-  /// Arm and scan end, no new scan begins until somebody starts.
+  /// Arm and scan end, and every order that was heard before; no new scan begins until somebody starts. Waits
+  /// for nothing, here and below: of all that is asked these are the two that may never wait.
   virtual void stop(const std::string& who) = 0;
   /// As stop(), and the sensor turns its light off.
   virtual void laser_off(const std::string& who) = 0;
 
-  /// Errc::WrongState says why not now.
-  [[nodiscard]] virtual Result<void> start(const Job& job, const std::string& who) = 0;
+  /// Errc::WrongState says why not now, here and below also that a stop came after the order.
+  [[nodiscard]] virtual Result<void> start(const Job& job, const Speaker& who) = 0;
   /// `hold` as of a job: of the shoe that is scanned again, and of those after it.
   struct Rescan {
     std::string who, why, door;
     bool hold{false};
+    std::uint64_t stops{0};  ///< as of a Speaker
   };
   [[nodiscard]] virtual Result<void> rescan(const Rescan& order) = 0;
   [[nodiscard]] virtual Result<void> decide(const Decision& decision) = 0;
@@ -100,27 +112,27 @@ class Cell {
     line_control::Refusal refusal{line_control::Refusal::None};
     bool fresh{false};
   };
-  [[nodiscard]] virtual LineStart start_for_line(int request, bool control_held) = 0;
+  [[nodiscard]] virtual LineStart start_for_line(int request, bool control_held, std::uint64_t stops) = 0;
 
   /// A scan that waits since nobody knows its model goes on as one of this model.  Errc::WrongState: it does
   /// not wait for that.
   [[nodiscard]] virtual Result<void> choose_model(const std::string& scan, const std::string& model,
-                                                  const std::string& who) = 0;
+                                                  const Speaker& who) = 0;
 
   /// A scan that waits gets its path planned anew with the process of this name, and waits on; one whose
   /// model nobody knows goes on without a model, and then waits for a person's word.  Errc::WrongState: it
   /// does not wait, or there is no arm.
   [[nodiscard]] virtual Result<void> choose_process(const std::string& scan, const std::string& process,
-                                                    const std::string& who) = 0;
+                                                    const Speaker& who) = 0;
   /// The arm runs the path of a scan that waits for a word in the air (host/robot/path/first_run.hpp),
   /// through the same checks and the same gate; then the scan waits again.  Errc::WrongState as above.
-  [[nodiscard]] virtual Result<void> run_in_air(const std::string& scan, const std::string& who) = 0;
+  [[nodiscard]] virtual Result<void> run_in_air(const std::string& scan, const Speaker& who) = 0;
 
   /// Its line is being mended: until end_mend() nobody can accept the scan.  Errc::WrongState while the scan
   /// is in work.
   [[nodiscard]] virtual Result<void> begin_mend(const std::string& scan) = 0;
   /// `mended`: the scan's folder has a new line.  A scan that waits for a person gets its path planned anew.
-  virtual void end_mend(const std::string& scan, bool mended, const std::string& who) = 0;
+  virtual void end_mend(const std::string& scan, bool mended, const Speaker& who) = 0;
 
   /// Works a kept scan out again, beside the cell's own work; the number of its folder
   /// (host/doors/api/rerun.hpp). Errc::WrongState where it has no points any more, too many wait, or a path

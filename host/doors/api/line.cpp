@@ -83,7 +83,8 @@ Answer Api::start_for_line(const Call& call) {
   if (std::optional<Answer> closed = closed_to_line(call)) return *closed;
   const std::optional<int> request = one_number(call.request.body, "request");
   if (!request) return line_answer(Refusal::BadRequest);
-  const Cell::LineStart start = rooms_.cell.start_for_line(*request, rooms_.accounts.holder().has_value());
+  const Cell::LineStart start =
+      rooms_.cell.start_for_line(*request, rooms_.accounts.holder().has_value(), call.request.stops);
   if (start.fresh)
     static_cast<void>(rooms_.memory.log(line_event(call.request.door, "start", std::to_string(*request))));
   return line_answer(start.refusal);

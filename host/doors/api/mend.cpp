@@ -117,8 +117,8 @@ std::optional<Answer> not_to_mend(const std::string& id, const Result<std::optio
 /// Ends a mend whatever becomes of it, also by an exception of a library: else nobody could mend again.
 class Mending {
  public:
-  Mending(Cell& cell, const std::string& scan, const std::string& who)
-      : cell_{cell}, scan_{scan}, who_{who} {}
+  Mending(Cell& cell, const std::string& scan, Speaker who)
+      : cell_{cell}, scan_{scan}, who_{std::move(who)} {}
   ~Mending() { cell_.end_mend(scan_, mended_, who_); }
   Mending(const Mending&) = delete;
   Mending& operator=(const Mending&) = delete;
@@ -127,7 +127,7 @@ class Mending {
  private:
   Cell& cell_;
   const std::string& scan_;
-  const std::string& who_;
+  Speaker who_;
   bool mended_{false};
 };
 
@@ -154,7 +154,7 @@ Answer Api::mend(const Call& call) {
   if (!is_scan_id(id)) return control::refusal(404, "not_found", "no such scan; GET /scans lists them");
   // From here to its end no word changes the row.
   if (const Result<void> begun = rooms_.cell.begin_mend(id); !begun) return answer_of(begun.error());
-  Mending mending{rooms_.cell, id, call.person.name};
+  Mending mending{rooms_.cell, id, speaker(call)};
   Result<std::optional<memory::Scan>> row = rooms_.memory.scan(id);
   if (const std::optional<Answer> refused = not_to_mend(id, row)) return *refused;
 

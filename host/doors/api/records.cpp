@@ -95,8 +95,12 @@ Answer Api::decide(const Call& call, Decision::Kind kind, int status, bool needs
   const std::string why = fields.text("why", 500, needs_why);
   if (const std::optional<Answer> faults = fields.faults()) return *faults;
   if (!is_scan_id(id)) return control::refusal(404, "not_found", "no such scan; GET /scans lists them");
-  const Result<void> done = rooms_.cell.decide(
-      {.kind = kind, .scan = id, .who = call.person.name, .why = why, .door = call.request.door});
+  const Result<void> done = rooms_.cell.decide({.kind = kind,
+                                                .scan = id,
+                                                .who = call.person.name,
+                                                .why = why,
+                                                .door = call.request.door,
+                                                .stops = call.request.stops});
   if (!done) return answer_of(done.error());
   const Result<std::optional<memory::Scan>> scan = rooms_.memory.scan(id);
   if (!scan) return answer_of(scan.error());
@@ -129,7 +133,7 @@ Answer Api::choose_model(const Call& call) {
   const Result<transfer::ModelInfo> info = stock->models.info(model);
   if (!info) return answer_of(info.error());
   if (info->damage) return answer_of(*info->damage);
-  const Result<void> chosen = rooms_.cell.choose_model(id, model, call.person.name);
+  const Result<void> chosen = rooms_.cell.choose_model(id, model, speaker(call));
   if (!chosen) return answer_of(chosen.error());
   return begun(call, "choose model", model, id + " goes on as " + model);
 }
@@ -157,7 +161,7 @@ Answer Api::choose_process(const Call& call) {
   const Result<Stock> stock = this->stock();
   if (!stock) return answer_of(stock.error());
   if (const auto stored = stock->processes.find(process); !stored) return answer_of(stored.error());
-  const Result<void> chosen = rooms_.cell.choose_process(id, process, call.person.name);
+  const Result<void> chosen = rooms_.cell.choose_process(id, process, speaker(call));
   if (!chosen) return answer_of(chosen.error());
   return begun(call, "choose process", process, "the path of " + id + " is planned with " + process);
 }
@@ -167,7 +171,7 @@ Answer Api::run_in_air(const Call& call) {
   Fields fields{call.request.body};
   if (const std::optional<Answer> faults = fields.faults()) return *faults;
   if (!is_scan_id(id)) return control::refusal(404, "not_found", "no such scan; GET /scans lists them");
-  const Result<void> begins = rooms_.cell.run_in_air(id, call.person.name);
+  const Result<void> begins = rooms_.cell.run_in_air(id, speaker(call));
   if (!begins) return answer_of(begins.error());
   return begun(call, "run in the air", "",
                "the arm runs the path of " + id + " in the air, if the gate opens");

@@ -38,6 +38,8 @@ struct Request {
 };
 
 struct Answer {
+  /// How many stops the service had counted then: what waited past a stop is over.  Not sent.
+  std::uint64_t stops{0};
   std::uint64_t id{0};
   int status{200};  ///< of HTTP (RFC 9110)
   Json body;        ///< null: none (204); a text where `type` is no JSON's

@@ -124,6 +124,7 @@ struct Server::State {
   }
 
   void take_request(const Door& door, Request request) {
+    if (handlers.stops) request.stops = handlers.stops();
     {
       const std::lock_guard lock{mutex};
       ++counters.requests;

@@ -29,6 +29,8 @@ struct Handlers {
   std::function<Answer(const Request&)> ordinary;
   /// It takes seconds: a file to look through, an arm or a sensor to ask.  None: nothing does.
   std::function<bool(const Request&)> is_long{};
+  /// Asked the moment a request is heard: Request::stops.  None: nobody counts.
+  std::function<std::uint64_t()> stops{};
 };
 
 struct ServerCounters {

@@ -120,14 +120,15 @@ TEST(CockpitAnswers, RobotsProgressModelAndHolderAreTold) {
   sut->show_scan("scan-0001");
   sut->show_progress(50, 100);
   sut->show_model("boot", 0.98, "rough");
-  CHECK(sut->begin_cycle());
-  CHECK(sut->begin_cycle());
+  CHECK(sut->begin_cycle().has_value());
+  CHECK(sut->begin_cycle().has_value());
   static_cast<void>(ask("POST", "/control", {{"action", "take"}, {"why", "my shift"}}));
-  static_cast<void>(ask("POST", "/commands/stop"));
   look_everywhere();
   sut->hold("scan-0001", Cockpit::Wait::Word, 60);
   look_everywhere();
   sut->hold("");
+  static_cast<void>(ask("POST", "/commands/stop"));
+  look_everywhere();
   static_cast<void>(ask("POST", "/commands/start", {{"hold", true}}));
   static_cast<void>(ask("POST", "/commands/rescan", {{"why", "again"}, {"hold", true}}));
   const Json state = ask("GET", "/state");

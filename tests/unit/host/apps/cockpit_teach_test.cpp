@@ -10,12 +10,14 @@ namespace biteline::service {
 
 TEST_GROUP(CockpitTeach) {
   test::TemporaryFolder folder;
+  robot::Stops stops;
   std::unique_ptr<Cockpit> sut;
 
   void open(bool with_arm) {
     CockpitConfig config;
     config.results = folder.path();
     config.arm = "UR5e";
+    config.stops = &stops;
     if (with_arm) {
       config.rerun_arm =
           RerunArm{.model = *kinematics::arm_model("UR5e"),
@@ -101,14 +103,11 @@ TEST(CockpitTeach, ARunInTheAirNeedsACheckedPathThatWaits) {
   refused(sut->run_in_air("scan-0001", "ada"));
   refused(sut->choose_process("scan-0001", "rough", "ada"));
   sut->end_mend("scan-0001", false, "ada");
-  sut->halt();
   SUCCEEDS(sut->run_in_air("scan-0001", "ada"));
   CHECK(next() == Wish::Kind::Air);
   // Until it waits again nobody can say a word about it.
   refused(sut->run_in_air("scan-0001", "ada"));
   refused(sut->choose_process("scan-0001", "rough", "ada"));
-  // A stop stays one: no start takes it back before the run in the air has met it.
-  sut->halt();
   refused(sut->start({}, "ada"));
   refused(sut->rescan({.who = "ada", .why = "again", .door = "web", .hold = false}));
   memory::Scan row;
@@ -134,18 +133,22 @@ TEST(CockpitTeach, ARunInTheAirNeedsACheckedPathThatWaits) {
 /// However often somebody starts and stops while the service is busy.
 TEST(CockpitTeach, NoWordIsLostBehindManyOthersAndTheLastOfAKindCounts) {
   open(true);
-  for (int i = 0; i < 200; ++i) {
-    SUCCEEDS(sut->start({.model = {}, .process = std::string{"p"} + std::to_string(i)}, "ada"));
+  const auto start_with = [this](int i) {
+    return sut->start({.model = {}, .process = std::string{"p"} + std::to_string(i)}, {"ada", stops.count()});
+  };
+  for (int i = 0; i < 199; ++i) {
+    SUCCEEDS(start_with(i));
     sut->laser_off("ada");
     sut->stop("ada");
   }
+  SUCCEEDS(start_with(199));
   sut->hold("scan-0001");
-  SUCCEEDS(sut->choose_process("scan-0001", "rough", "ada"));
+  SUCCEEDS(sut->choose_process("scan-0001", "rough", {"ada", stops.count()}));
+  CHECK(next() == Wish::Kind::LaserOff);
+  CHECK(next() == Wish::Kind::Stop);
   const std::optional<Wish> start = sut->next_wish();
   CHECK(start && start->kind == Wish::Kind::Start);
   STRCMP_EQUAL("p199", start->job.process.c_str());
-  CHECK(next() == Wish::Kind::LaserOff);
-  CHECK(next() == Wish::Kind::Stop);
   CHECK(next() == Wish::Kind::Process);
   CHECK(!sut->next_wish());
 }

@@ -8,7 +8,7 @@ namespace biteline::intake {
 TEST_GROUP(IntakeRefused){};
 
 TEST(IntakeRefused, EveryCodeHasItsRow) {
-  test::check_refusal_table(Refused::ScanSetAside);
+  test::check_refusal_table(Refused::ScanStopped);
 }
 
 }  // namespace biteline::intake

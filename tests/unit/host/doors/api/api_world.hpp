@@ -19,6 +19,7 @@ struct FakeCell final : Cell {
   std::vector<std::string> did;
   std::filesystem::path results{};  ///< of the scan that is worked out again
   Result<void> next{};
+  std::uint64_t stops{99};  ///< of the last order
 
   Json state() override {
     Json lamps;
@@ -31,11 +32,13 @@ struct FakeCell final : Cell {
   Json sensors() override { return Json::array(); }
   void stop(const std::string& who) override { did.push_back("stop " + who); }
   void laser_off(const std::string& who) override { did.push_back("laser off " + who); }
-  Result<void> start(const Job& job, const std::string& who) override {
-    did.push_back("start " + who + " " + job.process + (job.hold ? " held" : ""));
+  Result<void> start(const Job& job, const Speaker& who) override {
+    stops = who.stops;
+    did.push_back("start " + who.name + " " + job.process + (job.hold ? " held" : ""));
     return next;
   }
   Result<void> rescan(const Rescan& order) override {
+    stops = order.stops;
     did.push_back("rescan " + order.who + (order.hold ? " held" : ""));
     return next;
   }
@@ -43,8 +46,9 @@ struct FakeCell final : Cell {
     did.push_back("begin mend " + scan);
     return next;
   }
-  void end_mend(const std::string& scan, bool mended, const std::string& who) override {
-    did.push_back("end mend " + scan + (mended ? " yes " : " no ") + who);
+  void end_mend(const std::string& scan, bool mended, const Speaker& who) override {
+    stops = who.stops;
+    did.push_back("end mend " + scan + (mended ? " yes " : " no ") + who.name);
   }
   Result<void> change_settings(const std::vector<SettingChange>& changes, const std::string& who) override {
     for (const SettingChange& change : changes)
@@ -72,25 +76,28 @@ struct FakeCell final : Cell {
     chosen = number;
     return line_control::Refusal::None;
   }
-  LineStart start_for_line(int request, bool control_held) override {
+  LineStart start_for_line(int request, bool control_held, std::uint64_t heard) override {
+    stops = heard;
     did.push_back("line start " + std::to_string(request) + (control_held ? " held" : ""));
     return {.refusal = line_control::Refusal::None, .fresh = true};
   }
   bool jobs{true};
   int chosen{0};
 
-  Result<void> choose_model(const std::string& scan, const std::string& model,
-                            const std::string& who) override {
-    did.push_back("model " + scan + " " + model + " " + who);
+  Result<void> choose_model(const std::string& scan, const std::string& model, const Speaker& who) override {
+    stops = who.stops;
+    did.push_back("model " + scan + " " + model + " " + who.name);
     return next;
   }
   Result<void> choose_process(const std::string& scan, const std::string& process,
-                              const std::string& who) override {
-    did.push_back("process " + scan + " " + process + " " + who);
+                              const Speaker& who) override {
+    stops = who.stops;
+    did.push_back("process " + scan + " " + process + " " + who.name);
     return next;
   }
-  Result<void> run_in_air(const std::string& scan, const std::string& who) override {
-    did.push_back("air " + scan + " " + who);
+  Result<void> run_in_air(const std::string& scan, const Speaker& who) override {
+    stops = who.stops;
+    did.push_back("air " + scan + " " + who.name);
     return next;
   }
   Result<int> rerun(const RerunOrder& order) override {
@@ -111,6 +118,7 @@ struct FakeCell final : Cell {
   robot::ur::ArmLook look{};
   bool rerun_open(const std::string&, int number) override { return number > 1; }
   Result<void> decide(const Decision& decision) override {
+    stops = decision.stops;
     did.push_back("decide " + decision.scan + " " + decision.who + " " + decision.door + " " + decision.why);
     return next;
   }
@@ -139,6 +147,7 @@ struct ApiWorld : Utest {
                             .processes = ProcessStore{BITELINE_PROCESSES, folder.path() / "processes"}}};
   std::string token;
   bool local{false};
+  std::uint64_t heard{0};
 
   void setup() override {
     SUCCEEDS(accounts.add("ada", accounts::Role::Administrator, k_password, "ada", "web"));
@@ -164,6 +173,7 @@ struct ApiWorld : Utest {
     control::Request request;
     request.token = token;
     request.local = local;
+    request.stops = heard;
     request.door = "web";
     request.method = method;
     request.path = "/api/v1" + path;
