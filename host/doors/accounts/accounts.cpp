@@ -71,6 +71,43 @@ std::optional<Role> role_of(const std::string& text) {
   return std::nullopt;
 }
 
+Accounts::Accounts(memory::Memory& memory) : memory_{memory} {
+  // One that cannot be read now is asked for when somebody shows it.
+  if (const auto sessions = memory_.sessions()) {
+    for (const memory::Session& session : *sessions) note(session);
+  }
+}
+
+void Accounts::note(const memory::Session& session) const {
+  const std::lock_guard lock{mutex_};
+  std::erase_if(sessions_, [](const auto& one) { return one.second.expires <= memory::now_ms(); });
+  sessions_.insert_or_assign(session.token_hash, session);
+}
+
+void Accounts::forget_sessions_of(const std::string& name) const {
+  const std::lock_guard lock{mutex_};
+  std::erase_if(sessions_, [&](const auto& one) { return one.second.user == name; });
+}
+
+namespace {
+
+std::optional<Person> person_of(const memory::Session& session) {
+  if (session.expires <= memory::now_ms()) return std::nullopt;
+  const std::optional<Role> role = role_of(session.role);
+  if (!role) return std::nullopt;
+  return Person{.name = session.user, .role = *role};
+}
+
+}  // namespace
+
+std::optional<Person> Accounts::known(const std::string& token) const {
+  if (token.empty()) return std::nullopt;
+  const std::string hash = hash_token(token);
+  const std::lock_guard lock{mutex_};
+  const auto found = sessions_.find(hash);
+  return found == sessions_.end() ? std::nullopt : person_of(found->second);
+}
+
 Result<tl::expected<Login, NoLogin>> Accounts::log_in(const std::string& name, const std::string& password,
                                                       const std::string& door, Clock::time_point now) {
   using Outcome = tl::expected<Login, NoLogin>;
@@ -88,13 +125,15 @@ Result<tl::expected<Login, NoLogin>> Accounts::log_in(const std::string& name, c
                      is_password(password, user ? user->password_hash : k_nobody.value_or("")) &&
                      user.has_value() && user->enabled;
   if (!right) {
-    const std::lock_guard lock{mutex_};
-    if (failures_.size() >= k_most_names && !failures_.contains(name)) failures_.clear();
-    Failures& failures = failures_[name];
-    ++failures.count;
-    if (failures.count > k_free_failures) {
-      const int wait_s = std::min(k_longest_wait_s, 1 << std::min(failures.count - k_free_failures, 10));
-      failures.until = now + std::chrono::seconds{wait_s};
+    {
+      const std::lock_guard lock{mutex_};
+      if (failures_.size() >= k_most_names && !failures_.contains(name)) failures_.clear();
+      Failures& failures = failures_[name];
+      ++failures.count;
+      if (failures.count > k_free_failures) {
+        const int wait_s = std::min(k_longest_wait_s, 1 << std::min(failures.count - k_free_failures, 10));
+        failures.until = now + std::chrono::seconds{wait_s};
+      }
     }
     BITELINE_TRY(memory_.log(event(user ? name : "?", door, "login failed", user ? name : "unknown name")));
     return Outcome{tl::unexpected<NoLogin>{{.too_often = false, .wait_s = 0}}};
@@ -116,12 +155,13 @@ Result<Login> Accounts::open_session(const Person& person, const std::string& do
   Login login{.token = {}, .person = person, .expires = memory::now_ms() + k_session_ms};
   BITELINE_ASSIGN(login.token, make_token());
   BITELINE_TRY(memory_.remove_sessions_before(memory::now_ms()));
-  BITELINE_TRY(memory_.put_session({.token_hash = hash_token(login.token),
-                                    .user = person.name,
-                                    .role = to_text(person.role),
-                                    .created = memory::now_ms(),
-                                    .expires = login.expires},
-                                   event(person.name, door, action, person.name)));
+  const memory::Session session{.token_hash = hash_token(login.token),
+                                .user = person.name,
+                                .role = to_text(person.role),
+                                .created = memory::now_ms(),
+                                .expires = login.expires};
+  BITELINE_TRY(memory_.put_session(session, event(person.name, door, action, person.name)));
+  note(session);
   return login;
 }
 
@@ -145,16 +185,18 @@ Result<std::optional<Login>> Accounts::use_guest_token(const std::string& token,
 Result<void> Accounts::log_out(const std::string& token, const std::string& door) {
   BITELINE_ASSIGN(const std::optional<Person> person, who_is(token));
   if (!person) return {};
+  {
+    const std::lock_guard lock{mutex_};
+    sessions_.erase(hash_token(token));
+  }
   return memory_.remove_session(hash_token(token), event(person->name, door, "logout", person->name));
 }
 
 Result<std::optional<Person>> Accounts::who_is(const std::string& token) const {
   if (token.empty()) return std::optional<Person>{};
   BITELINE_ASSIGN(const std::optional<memory::Session> session, memory_.session(hash_token(token)));
-  if (!session || session->expires <= memory::now_ms()) return std::optional<Person>{};
-  const std::optional<Role> role = role_of(session->role);
-  if (!role) return std::optional<Person>{};
-  return std::optional<Person>{Person{.name = session->user, .role = *role}};
+  if (!session) return std::optional<Person>{};
+  return person_of(*session);
 }
 
 Result<bool> Accounts::has_users() const {
@@ -201,6 +243,8 @@ Result<void> Accounts::change(const std::string& name, const Change& change, con
     BITELINE_TRY(check_password(*change.password));
     BITELINE_ASSIGN(user->password_hash, hash_password(*change.password));
   }
+  // The memory ends them with it.
+  forget_sessions_of(name);
   return memory_.put_user(*user, event(by, door, change.password ? "change user and password" : "change user",
                                        name, before, words(*user)));
 }
@@ -214,6 +258,7 @@ Result<void> Accounts::remove(const std::string& name, const std::string& by, co
   BITELINE_ASSIGN(const std::optional<memory::User> user, find(memory_, name));
   if (!user) return fail(Errc::FileNotFound, "user '%.40s'", name.c_str());
   if (user->role == to_text(Role::Administrator)) BITELINE_TRY(keep_an_administrator(name));
+  forget_sessions_of(name);
   BITELINE_TRY(memory_.remove_user(name, event(by, door, "remove user", name, user->role, "")));
   const std::lock_guard lock{mutex_};
   if (holder_ && holder_->name == name) holder_.reset();
@@ -231,9 +276,11 @@ std::optional<Holder> Accounts::holder() const {
 
 Result<void> Accounts::take_control(const std::string& name, const std::string& door,
                                     const std::string& why) {
-  const std::lock_guard lock{mutex_};
-  const std::string before = holder_ ? holder_->name : "";
+  const std::lock_guard words{words_mutex_};
+  const std::optional<Holder> held = holder();
+  const std::string before = held ? held->name : "";
   BITELINE_TRY(memory_.log(event(name, door, "take control", "control", before, name)));
+  const std::lock_guard lock{mutex_};
   holder_ = Holder{.name = name, .door = door, .since = memory::now_ms(), .why = why};
   return {};
 }
@@ -242,19 +289,21 @@ Result<void> Accounts::give_control(const std::string& name, const std::string& 
   BITELINE_ASSIGN(const std::optional<memory::User> user, find(memory_, to));
   if (!user || role_of(user->role) == Role::Viewer)
     return fail(Errc::InvalidArgument, "control to '%.40s': a person who may operate expected", to.c_str());
-  const std::lock_guard lock{mutex_};
-  if (!holder_ || holder_->name != name)
-    return fail(Errc::NoRights, "control is not held by %.40s", name.c_str());
+  const std::lock_guard words{words_mutex_};
+  const std::optional<Holder> held = holder();
+  if (!held || held->name != name) return fail(Errc::NoRights, "control is not held by %.40s", name.c_str());
   BITELINE_TRY(memory_.log(event(name, door, "give control", "control", name, to)));
+  const std::lock_guard lock{mutex_};
   holder_ = Holder{.name = to, .door = door, .since = memory::now_ms(), .why = {}};
   return {};
 }
 
 Result<void> Accounts::release_control(const std::string& name, const std::string& door) {
-  const std::lock_guard lock{mutex_};
-  if (!holder_ || holder_->name != name)
-    return fail(Errc::NoRights, "control is not held by %.40s", name.c_str());
+  const std::lock_guard words{words_mutex_};
+  const std::optional<Holder> held = holder();
+  if (!held || held->name != name) return fail(Errc::NoRights, "control is not held by %.40s", name.c_str());
   BITELINE_TRY(memory_.log(event(name, door, "release control", "control", name, "")));
+  const std::lock_guard lock{mutex_};
   holder_.reset();
   return {};
 }

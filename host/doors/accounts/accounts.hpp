@@ -56,7 +56,7 @@ class Accounts {
   using Clock = std::chrono::steady_clock;
 
   /// `memory` outlives it.
-  explicit Accounts(memory::Memory& memory) : memory_{memory} {}
+  explicit Accounts(memory::Memory& memory);
 
   /// A name that fails waits: nothing after the first two failures, then 2, 4, 8 ... 60 s.  An unknown name
   /// takes as long as a wrong password.  Takes the clock, so that a test need not wait.
@@ -71,6 +71,9 @@ class Accounts {
   [[nodiscard]] Result<void> log_out(const std::string& token, const std::string& door);
   /// Nobody: no such session, or it has expired.
   [[nodiscard]] Result<std::optional<Person>> who_is(const std::string& token) const;
+  /// The same without asking the memory, so that nothing is waited for; nobody: not known here, who_is() may
+  /// know more.
+  [[nodiscard]] std::optional<Person> known(const std::string& token) const;
 
   [[nodiscard]] Result<bool> has_users() const;
   /// Names: letters, digits, '.', '_', '-', '@', 64 at most; passwords: 8 to 200 bytes. Errc::InvalidArgument
@@ -102,12 +105,16 @@ class Accounts {
   [[nodiscard]] Result<Login> open_session(const Person& person, const std::string& door,
                                            const std::string& action);
   [[nodiscard]] Result<void> keep_an_administrator(const std::string& without) const;
+  void note(const memory::Session& session) const;
+  void forget_sessions_of(const std::string& name) const;
 
   memory::Memory& memory_;
-  mutable std::mutex mutex_;
+  std::mutex words_mutex_;  ///< of who changes control: taken before mutex_, and held while the memory writes
+  mutable std::mutex mutex_;  ///< never while the memory is asked
   std::map<std::string, Failures> failures_;
   std::string guest_hash_;
   std::optional<Holder> holder_;
+  mutable std::map<std::string, memory::Session> sessions_;  ///< as they stand in the memory, by token's hash
 };
 
 }  // namespace biteline::accounts

@@ -22,8 +22,6 @@ namespace {
 
 constexpr std::string_view k_root = "/api/v1";
 constexpr std::string_view k_for_metrics = "/api/v1/exchange/metrics";
-constexpr const char* k_stop = "/api/v1/commands/stop";
-constexpr const char* k_laser_off = "/api/v1/commands/laser-off";
 constexpr const char* k_line = "/api/v1/line";
 constexpr const char* k_check_process = "/api/v1/processes/check";  // changes nothing: no log row
 constexpr const char* k_touches = "/api/v1/mounted/touches";        // nor does this
@@ -123,9 +121,11 @@ std::vector<Api::Route> Api::routes() {
 std::optional<Answer> Api::urgent(const Request& request) {
   // The line's heartbeat hangs on it, so it waits for no request of a page.
   if (request.method == "GET" && request.path == k_line) return read_line({.request = request, .person = {}});
-  if (request.method != "POST") return std::nullopt;
-  if (request.path != k_stop && request.path != k_laser_off) return std::nullopt;
-  return stop(request, request.path == k_laser_off);
+  if (!control::is_stop(request)) return std::nullopt;
+  if (request.path == control::k_line_stop_path) return stop_for_line(request);
+  const std::optional<Person> person = rooms_.accounts.known(request.token);
+  if (!person && !request.local && !request.token.empty()) return std::nullopt;
+  return stop(request, person);
 }
 
 bool Api::is_long(const Request& request) {
@@ -140,30 +140,26 @@ bool Api::is_long(const Request& request) {
          path == "/sensors/keep" || path == "/processes/check";
 }
 
-Answer Api::stop(const Request& request, bool laser) {
-  std::string who = "somebody at the cell";
-  const Result<std::optional<Person>> person = rooms_.accounts.who_is(request.token);
-  if (person && *person) {
-    who = (*person)->name;
-    if (!request.local && (*person)->role < Role::Operator)
-      return control::refusal(403, "not_allowed", "from another machine this needs an operator");
-  } else if (!request.local) {
-    return people::login_needed();
-  }
-  // First the deed, then the words about it.
+Answer Api::stop(const Request& request, const std::optional<Person>& person) {
+  if (!request.local && !person) return people::login_needed();
+  if (!request.local && person->role < Role::Operator)
+    return control::refusal(403, "not_allowed", "from another machine this needs an operator");
+  const bool laser = request.path == control::k_laser_off_path;
+  const std::string who = person ? person->name : "somebody at the cell";
   if (laser) {
     rooms_.cell.laser_off(who);
   } else {
     rooms_.cell.stop(who);
   }
-  static_cast<void>(rooms_.memory.log({.id = 0,
-                                       .time = memory::now_ms(),
-                                       .who = who,
-                                       .door = request.door,
-                                       .action = laser ? "laser off" : "stop",
-                                       .subject = "cell",
-                                       .before = {},
-                                       .after = {}}));
+  stop_log_.add({.id = 0,
+                 .time = memory::now_ms(),
+                 .who = who,
+                 .door = request.door,
+                 .action = laser ? "laser off" : "stop",
+                 .subject = "cell",
+                 .before = {},
+                 .after = {}},
+                person ? std::string{} : request.token);
   return ok(
       {{"done", true}, {"words", laser ? "the laser is told to be off" : "scan and arm are told to stop"}});
 }
@@ -186,6 +182,11 @@ Answer Api::ordinary(const Request& request) {
 
 Answer Api::dispatch(const Request& request) {
   if (const std::optional<Answer> now = urgent(request)) return *now;
+  if (control::is_stop(request)) {
+    const Result<std::optional<Person>> person = rooms_.accounts.who_is(request.token);
+    if (!person) return answer_of(person.error());
+    return stop(request, *person);
+  }
   if (!request.path.starts_with(k_root))
     return control::refusal(404, "not_found", "no such path; the API begins with /api/v1");
   // Between programs: what biteline-web makes its /metrics of, also for a program that has a token for it.

@@ -12,6 +12,7 @@
 #include "host/doors/api/exchange.hpp"
 #include "host/doors/api/mounted.hpp"
 #include "host/doors/api/stock.hpp"
+#include "host/doors/api/stop_log.hpp"
 #include "host/doors/control/messages.hpp"
 #include "host/records/memory/memory.hpp"
 
@@ -38,16 +39,20 @@ struct Call {
   std::vector<std::string> names{};  ///< the path's parts in braces, in order
 };
 
-/// Thread: safe from any; of ordinary() one that is_long() and one that is not at a time.
 [[nodiscard]] inline Speaker speaker(const Call& call) {
   return {call.person.name, call.request.stops};
 }
 
+/// Thread: safe from any; of ordinary() one that is_long() and one that is not at a time.
 class Api {
  public:
-  explicit Api(Rooms rooms) : rooms_{std::move(rooms)}, mounted_{rooms_.memory, rooms_.cell} {}
+  explicit Api(Rooms rooms)
+      : rooms_{std::move(rooms)},
+        mounted_{rooms_.memory, rooms_.cell},
+        stop_log_{rooms_.memory, rooms_.accounts} {}
 
-  /// Stop, Laser off and the line's reading, at once.  Nothing for all else.
+  /// Stop, Laser off and the line's reading, at once: neither the memory nor a password is waited for.
+  /// Nothing for all else; also for a stop from another machine by somebody whom only the memory may know.
   [[nodiscard]] std::optional<control::Answer> urgent(const control::Request& request);
   [[nodiscard]] control::Answer ordinary(const control::Request& request);
   /// A model's file, an arm or a sensor that is asked: seconds, for which no other request waits.
@@ -57,7 +62,10 @@ class Api {
   struct Route;
   [[nodiscard]] static std::vector<Route> routes();
   [[nodiscard]] control::Answer dispatch(const control::Request& request);
-  [[nodiscard]] control::Answer stop(const control::Request& request, bool laser);
+  /// The deed first, then the words about it.  `person`: as far as it is known.
+  [[nodiscard]] control::Answer stop(const control::Request& request,
+                                     const std::optional<accounts::Person>& person);
+  [[nodiscard]] control::Answer stop_for_line(const control::Request& request);
 
   [[nodiscard]] control::Answer read_state(const Call& call);
   [[nodiscard]] control::Answer log_in(const Call& call);
@@ -125,6 +133,7 @@ class Api {
 
   Rooms rooms_;
   MountedRoom mounted_;
+  StopLog stop_log_;
 };
 
 }  // namespace biteline::api

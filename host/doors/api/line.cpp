@@ -52,6 +52,15 @@ std::optional<Answer> Api::closed_to_line(const Call& call) {
   return std::nullopt;
 }
 
+Answer Api::stop_for_line(const control::Request& request) {
+  if (!is_line_door(request.door))
+    return control::refusal(404, "not_found", "this path is for --modbus and --text of biteline-web alone");
+  // Whoever may start may stop, also where scans are not for the line's control to start.
+  rooms_.cell.stop("the line's control");
+  stop_log_.add(line_event(request.door, "stop", ""));
+  return line_answer(Refusal::None);
+}
+
 Answer Api::read_line(const Call& call) {
   if (std::optional<Answer> closed = closed_to_line(call)) return *closed;
   return ok(line_control::to_json(rooms_.cell.line_state()));

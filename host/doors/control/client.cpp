@@ -25,6 +25,7 @@ constexpr Nanoseconds k_turn = milliseconds{100};
 constexpr auto k_between_hellos = std::chrono::seconds{1};
 constexpr auto k_silence = std::chrono::seconds{5};
 constexpr std::size_t k_most_waiting = 256;
+constexpr std::size_t k_most_stops = 64;  // beyond them
 /// The history of 200 000 shoes as one table.
 constexpr std::int64_t k_most_answer_bytes = 64 * 1024 * 1024;
 
@@ -174,18 +175,24 @@ Client::~Client() {
 
 void Client::ask(Request request, OnAnswer on_answer) {
   const std::uint64_t callers_id = request.id;
+  const bool stop = is_stop(request);
   if (request.door.empty()) request.door = state_->config.door;
   Answer refused;
   {
     const std::lock_guard lock{state_->mutex};
-    if (!state_->stop && state_->waiting.size() < k_most_waiting) {
+    if (!state_->stop && state_->waiting.size() < k_most_waiting + (stop ? k_most_stops : 0)) {
       request.id = state_->next_id++;
       std::string text = to_text(request);
       if (text.size() <= k_most_message_bytes) {
         state_->waiting.emplace(request.id, State::Waiting{.callers_id = callers_id,
                                                            .on_answer = std::move(on_answer),
                                                            .until = Clock::now() + state_->config.patience});
-        state_->outgoing.push_back(std::move(text));
+        // A stop leaves before all that waits to leave.
+        if (stop) {
+          state_->outgoing.push_front(std::move(text));
+        } else {
+          state_->outgoing.push_back(std::move(text));
+        }
         state_->wake.ring();
         return;
       }

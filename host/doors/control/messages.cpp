@@ -202,4 +202,9 @@ std::string utc_now() {
   return text.data();
 }
 
+bool is_stop(const Request& request) {
+  return request.method == "POST" && (request.path == k_stop_path || request.path == k_laser_off_path ||
+                                      request.path == k_line_stop_path);
+}
+
 }  // namespace biteline::control

@@ -20,6 +20,9 @@ using Json = nlohmann::ordered_json;
 
 /// Nobody's hand-made message is longer; files go by name, never through here.
 inline constexpr std::size_t k_most_message_bytes = wire::k_max_message_bytes;
+inline constexpr const char* k_stop_path = "/api/v1/commands/stop";
+inline constexpr const char* k_laser_off_path = "/api/v1/commands/laser-off";
+inline constexpr const char* k_line_stop_path = "/api/v1/line/stop";
 /// Objects and lists within each other.
 inline constexpr int k_most_depth = 24;
 
@@ -35,11 +38,14 @@ struct Request {
   Json body;  ///< null: none
   /// When the service heard it: what is answered much later is told by this.  Not sent.
   std::chrono::steady_clock::time_point heard{std::chrono::steady_clock::now()};
-};
-
-struct Answer {
   /// How many stops the service had counted then: what waited past a stop is over.  Not sent.
   std::uint64_t stops{0};
+};
+
+/// Stop, Laser off and the stop of the line's control: what never waits behind anything, at no end.
+[[nodiscard]] bool is_stop(const Request& request);
+
+struct Answer {
   std::uint64_t id{0};
   int status{200};  ///< of HTTP (RFC 9110)
   Json body;        ///< null: none (204); a text where `type` is no JSON's

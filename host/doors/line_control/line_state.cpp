@@ -16,7 +16,7 @@ constexpr std::array k_refusal_words{
     "a scan is in work",
     "a scan waits for a person",
     "somebody at a page holds control",
-    "a person stopped the cell; a person starts it again",
+    "the cell was stopped; a person starts it again",
     "the sensor is away",
     "biteline-host does not answer",
     "biteline-host runs without --jobs",

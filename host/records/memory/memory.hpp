@@ -154,6 +154,7 @@ class Memory {
   [[nodiscard]] Result<std::vector<User>> users() const;
   [[nodiscard]] Result<void> put_session(const Session& session, const LogRow& event);
   [[nodiscard]] Result<std::optional<Session>> session(const std::string& token_hash) const;
+  [[nodiscard]] Result<std::vector<Session>> sessions() const;
   [[nodiscard]] Result<void> remove_session(const std::string& token_hash, const LogRow& event);
   [[nodiscard]] Result<void> remove_sessions_before(UnixMs time);
   [[nodiscard]] Result<std::optional<std::string>> setting(const std::string& key) const;

@@ -83,6 +83,18 @@ Result<void> Memory::put_session(const Session& session, const LogRow& event) {
   });
 }
 
+namespace {
+
+Session session_in(Statement& row) {
+  return {.token_hash = row.text(0),
+          .user = row.text(1),
+          .role = row.text(2),
+          .created = row.integer(3),
+          .expires = row.integer(4)};
+}
+
+}  // namespace
+
 Result<std::optional<Session>> Memory::session(const std::string& token_hash) const {
   const std::lock_guard lock{*mutex_};
   BITELINE_ASSIGN(Statement row,
@@ -91,11 +103,19 @@ Result<std::optional<Session>> Memory::session(const std::string& token_hash) co
   row.bind(token_hash);
   BITELINE_ASSIGN(const bool found, row.step());
   if (!found) return std::optional<Session>{};
-  return std::optional<Session>{Session{.token_hash = row.text(0),
-                                        .user = row.text(1),
-                                        .role = row.text(2),
-                                        .created = row.integer(3),
-                                        .expires = row.integer(4)}};
+  return std::optional<Session>{session_in(row)};
+}
+
+Result<std::vector<Session>> Memory::sessions() const {
+  const std::lock_guard lock{*mutex_};
+  BITELINE_ASSIGN(Statement rows,
+                  database_->prepare("SELECT token_hash, user, role, created, expires FROM sessions"));
+  std::vector<Session> sessions;
+  while (true) {
+    BITELINE_ASSIGN(const bool row, rows.step());
+    if (!row) return sessions;
+    sessions.push_back(session_in(rows));
+  }
 }
 
 Result<void> Memory::remove_session(const std::string& token_hash, const LogRow& event) {

@@ -14,8 +14,9 @@ except ImportError as error:
     sys.exit(77)
 from line_cell import NAMES, PATIENCE_S, READY, Cell, comes_true
 
-JOB, START = 0, 1
-UNKNOWN_JOB, BUSY = 1, 3
+JOB, START, STOP = 0, 1, 2
+UNKNOWN_JOB, BUSY, PERSON_STOPPED = 1, 3, 6
+STOPPED = 6
 REFUSED = 3
 # Of the bits that are read (function 2).
 BIT_READY, BIT_BUSY, BIT_DONE, BIT_PERSON, BIT_ALIVE = range(5)
@@ -59,12 +60,34 @@ def a_control_that_writes_all_each_turn(cell, plc):
     assert cell.scans_asked() == before + 1 and state_of(plc)["job"] == 2
 
 
+def the_line_stops(cell, plc):
+    """A control that writes all registers each turn starts nothing while its stop stands, and afterwards a person must."""
+    before = cell.scans_asked()
+    assert plc.read_holding_registers(STOP, 1).registers == [0]
+    # 0 puts the register back and is no stop.
+    assert not plc.write_register(STOP, 0).isError() and state_of(plc)["step"] != STOPPED
+    for _ in range(5):
+        assert not plc.write_registers(JOB, [1, 90, 1]).isError()
+        assert state_of(plc)["step"] == STOPPED and plc.read_holding_registers(STOP, 1).registers == [1]
+    assert not plc.write_registers(JOB, [1, 90, 0]).isError()
+    assert state_of(plc)["refusal"] == PERSON_STOPPED
+    time.sleep(0.5)
+    assert cell.scans_asked() == before
+    token = cell.log_in()
+    assert cell.call("POST", "/control", {"action": "take"}, token)[0] == 200
+    assert cell.call("POST", "/commands/start", {}, token)[0] == 202
+    comes_true(lambda: cell.scans_asked() == before + 1 and not state_of(plc)["busy"], "a person's start")
+    assert cell.call("POST", "/control", {"action": "release"}, token)[0] == 200
+    rows = [row for row in cell.call("GET", "/log", token=token)[1]["entries"] if row["action"] == "stop"]
+    assert [(row["who"], row["door"]) for row in rows] == [("the line's control", "modbus")], rows
+
+
 def what_is_not_in_the_table_is_refused(plc):
     for answer, code in (
         (plc.read_input_registers(len(NAMES), 1), 2),
-        (plc.read_holding_registers(0, 3), 2),
-        (plc.write_register(2, 1), 2),
-        (plc.write_registers(JOB, [1, 9, 1]), 2),
+        (plc.read_holding_registers(0, 4), 2),
+        (plc.write_register(3, 1), 2),
+        (plc.write_registers(JOB, [1, 9, 1, 1]), 2),
         (plc.read_coils(0, 1), 2),
         (plc.write_coil(0, True), 1),
         (plc.readwrite_registers(read_address=0, read_count=1, write_address=0, write_registers=[1]), 1),
@@ -148,6 +171,7 @@ def main():
         a_control_that_writes_all_each_turn(cell, plc)
         what_is_not_in_the_table_is_refused(plc)
         bad_peers_hurt_nobody(cell, plc)
+        the_line_stops(cell, plc)
         plc.close()
     print("pymodbus reads what docs/line-control.md says")
 

@@ -87,7 +87,7 @@ def examples_work(cell, peer, examples):
 def people_come_first(cell, peer):
     token = cell.log_in()
     # What is only for doors without login is no path of the page.
-    for method, path in (("GET", "/line"), ("PUT", "/line/job"), ("POST", "/line/start")):
+    for method, path in (("GET", "/line"), ("PUT", "/line/job"), ("POST", "/line/start"), ("POST", "/line/stop")):
         assert cell.call(method, path, {}, token)[0] == 404
     assert cell.call("POST", "/control", {"action": "take"}, token)[0] == 200
     assert peer.ask("START 40") == [CONTROL_HELD] and peer.ask("JOB 1") == [CONTROL_HELD]
@@ -109,8 +109,33 @@ def people_come_first(cell, peer):
     assert "the line's control" in log and '"door": "text"' in log, log
 
 
+def the_line_stops_and_a_person_starts_again(cell, peer):
+    """Also behind its own start, in one piece: the stop is what counts."""
+    asked = cell.scans_asked()
+    peer.socket.sendall(b"START 60\nSTOP\n")
+    answers = [peer.reader.readline() for _ in range(2)]
+    assert answers[1] == b"(0)\n" and answers[0] in (b"(0)\n", b"(6)\n"), answers
+    comes_true(lambda: peer.state()["step"] == STOPPED and not peer.state()["busy"], "stopped")
+    assert peer.ask("START 61") == [PERSON_STOPPED] and peer.ask("STOP") == [0]
+    time.sleep(1)
+    assert cell.scans_asked() <= asked + 1 and peer.state()["sent"] == 0
+    token = cell.call("POST", "/sessions", {"name": "ada", "password": "a long password"})[1]["token"]
+    scans = cell.call("GET", "/scans", token=token)[1]["scans"]
+    if cell.scans_asked() > asked:
+        assert scans[0]["reason_code"] == "stopped_by_a_person", scans[0]
+    assert cell.call("POST", "/control", {"action": "take"}, token)[0] == 200
+    before = peer.state()["refused"]
+    assert cell.call("POST", "/commands/start", {}, token)[0] == 202
+    comes_true(lambda: peer.state()["refused"] == before + 1, "the scan after the line's stop")
+    newest = cell.call("GET", "/scans", token=token)[1]["scans"][0]
+    assert newest["reason_code"] != "stopped_by_a_person", newest
+    assert cell.call("POST", "/control", {"action": "release"}, token)[0] == 200
+    log = cell.call("GET", "/log", token=token)[1]["entries"]
+    assert any(row["action"] == "stop" and row["who"] == "the line's control" and row["door"] == "text" for row in log), log
+
+
 def bad_peers_hurt_nobody(cell, peer):
-    for line in ("HELLO", "", "JOB", "JOB -1", "JOB 1 2", "START 99999", "STATE ", "start 3", "JOB 1;START 3"):
+    for line in ("HELLO", "", "JOB", "JOB -1", "JOB 1 2", "START 99999", "STATE ", "STOP 1", "stop", "start 3", "JOB 1;START 3"):
         assert peer.ask(line) == [BAD_REQUEST], line
     long = TextPeer(cell.text_port)
     long.socket.sendall(b"S" * 200)
@@ -169,6 +194,7 @@ def main():
         one_start_is_one_scan(cell, peer)
         examples_work(cell, peer, pathlib.Path(examples))
         people_come_first(cell, peer)
+        the_line_stops_and_a_person_starts_again(cell, peer)
         bad_peers_hurt_nobody(cell, peer)
         service_that_is_away_is_told(cell, peer)
     print("the text door keeps what docs/line-control.md says")

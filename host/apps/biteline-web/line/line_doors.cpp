@@ -109,6 +109,8 @@ struct Peer {
   Clock::time_point last_request;
   Clock::time_point first_byte;  ///< of what stands in `in`
   std::optional<Pending> pending;
+  int stops_said{0};  ///< of what stands in `in`
+  bool ended{false};  ///< it says no more
 };
 
 struct Door {
@@ -163,6 +165,7 @@ struct LineDoors::State {
     control::Answer answer;
   };
   static constexpr std::size_t k_no_door = 99;
+  static constexpr std::size_t k_nobody = 98;  ///< the answer is for nobody
   std::mutex mutex{};
   std::vector<Mail> mail{};
   std::atomic<bool> stop{false};
@@ -183,6 +186,8 @@ struct LineDoors::State {
   /// False: the connection ends, here and below.
   [[nodiscard]] bool read(std::size_t index, std::uint64_t id, Peer& peer, Clock::time_point now);
   [[nodiscard]] bool serve(std::size_t index, std::uint64_t id, Peer& peer, Clock::time_point now);
+  /// A stop behind a command that waits for the service waits for nothing.
+  void hear_stop(std::size_t index, Peer& peer);
   [[nodiscard]] bool answer(Door& door, const Peer& peer, const LineCommand& command);
   void end_late(Clock::time_point now);
 };
@@ -261,7 +266,8 @@ void LineDoors::State::take_answer(Door& door, std::size_t index, std::uint64_t 
   peer.pending.reset();
   const Clock::time_point now = Clock::now();
   peer.first_byte = now;
-  if (!answer(door, peer, command) || !serve(index, id, peer, now)) door.peers.erase(found);
+  const bool goes_on = answer(door, peer, command) && serve(index, id, peer, now);
+  if (!goes_on || (peer.ended && !peer.pending)) door.peers.erase(found);
 }
 
 void LineDoors::State::take_mail() {
@@ -274,7 +280,7 @@ void LineDoors::State::take_mail() {
     if (one.door == k_no_door) {
       asking = false;
       take_state(one.answer);
-    } else {
+    } else if (one.door != k_nobody) {
       take_answer(doors.at(one.door), one.door, one.peer, one.answer);
     }
   }
@@ -304,7 +310,9 @@ bool LineDoors::State::read(std::size_t index, std::uint64_t id, Peer& peer, Clo
   std::array<std::uint8_t, k_most_request_bytes> bytes{};
   const ssize_t got = ::recv(peer.socket.get(), bytes.data(), bytes.size(), 0);
   if (got < 0) return errno == EAGAIN || errno == EINTR;
-  if (got == 0) return false;
+  // Who has said all still gets the answer that it waits for.
+  if (got == 0) peer.ended = true;
+  if (got == 0) return peer.pending.has_value();
   if (peer.in.empty()) peer.first_byte = now;
   peer.in.insert(peer.in.end(), bytes.begin(), bytes.begin() + got);
   return serve(index, id, peer, now);
@@ -318,24 +326,51 @@ bool LineDoors::State::serve(std::size_t index, std::uint64_t id, Peer& peer, Cl
     if (cut.used == 0) return peer.in.size() < k_most_request_bytes;
     peer.in.erase(peer.in.begin(), peer.in.begin() + static_cast<std::ptrdiff_t>(cut.used));
     peer.last_request = peer.first_byte = now;
-    const bool commands = cut.command.fault == 0 && (cut.command.job || cut.command.start);
+    const bool commands =
+        cut.command.fault == 0 && (cut.command.job || cut.command.start || cut.command.stop);
     if (!commands) {
       if (!answer(door, peer, cut.command)) return false;
       continue;
     }
     Pending pending{.command = std::move(cut.command), .steps = {}};
-    if (pending.command.job)
-      pending.steps.push_back(
-          request_of(*door.talk, "PUT", "/api/v1/line/job", {{"job", *pending.command.job}}));
-    if (pending.command.start)
-      pending.steps.push_back(
-          request_of(*door.talk, "POST", "/api/v1/line/start", {{"request", *pending.command.start}}));
+    if (pending.command.stop) {
+      // Of a request that says more than that a stop is meant.  One that was heard before is done.
+      if (peer.stops_said == 0) {
+        pending.steps.push_back(request_of(*door.talk, "POST", control::k_line_stop_path));
+      } else {
+        --peer.stops_said;
+        door.refusal = Refusal::None;
+      }
+    } else {
+      if (pending.command.job)
+        pending.steps.push_back(
+            request_of(*door.talk, "PUT", "/api/v1/line/job", {{"job", *pending.command.job}}));
+      if (pending.command.start)
+        pending.steps.push_back(
+            request_of(*door.talk, "POST", "/api/v1/line/start", {{"request", *pending.command.start}}));
+    }
     // What the peer reads next shows what its command did.
     pending.steps.push_back(request_of(*door.talk, "GET", k_line));
     peer.pending = std::move(pending);
     ask(index, id, peer.pending->steps.front());
   }
+  if (peer.pending) hear_stop(index, peer);
   return true;
+}
+
+void LineDoors::State::hear_stop(std::size_t index, Peer& peer) {
+  const LineTalk& talk = *doors.at(index).talk;
+  std::span<const std::uint8_t> rest = peer.in;
+  int stops = 0;
+  while (!rest.empty()) {
+    const LineCut cut = talk.cut(rest);
+    if (cut.garbled || cut.farewell || cut.used == 0) break;
+    if (cut.command.fault == 0 && cut.command.stop) ++stops;
+    rest = rest.subspan(cut.used);
+  }
+  if (stops <= peer.stops_said) return;
+  peer.stops_said = stops;
+  ask(k_nobody, 0, request_of(talk, "POST", control::k_line_stop_path));
 }
 
 bool LineDoors::State::answer(Door& door, const Peer& peer, const LineCommand& command) {
@@ -371,8 +406,9 @@ void LineDoors::State::wait() {
     polled.push_back({.fd = doors[i].listener.get(), .events = POLLIN, .revents = 0});
     whose.push_back({.door = i, .peer = 0});
     for (const auto& [id, peer] : doors[i].peers) {
-      // Who waits for an answer is not read: its further requests wait in its own socket.
-      const auto events = static_cast<short>(peer.pending ? 0 : POLLIN);
+      // Who waits for an answer is read on for a stop; its further requests wait.
+      const bool full = peer.pending && peer.in.size() >= k_most_request_bytes;
+      const auto events = static_cast<short>(full || peer.ended ? 0 : POLLIN);
       polled.push_back({.fd = peer.socket.get(), .events = events, .revents = 0});
       whose.push_back({.door = i, .peer = id});
     }

@@ -2,7 +2,7 @@
 #pragma once
 /// \file Doors for the line's control: Modbus TCP and plain text, without a login.
 ///
-/// They choose a job, ask for a start and read.  They have no word for more: no approval, no laser, no arm.
+/// They choose a job, ask for a start, stop and read.  They have no word for more: no approval, no laser.
 
 #include <chrono>
 #include <cstdint>

@@ -20,6 +20,7 @@ struct LineCommand {
   std::vector<std::uint8_t> bytes;  ///< as it came
   std::optional<int> job{};         ///< to be chosen, before the start
   std::optional<int> start{};       ///< a request number
+  bool stop{false};                 ///< and then nothing else
   int fault{0};                     ///< the protocol's own; above 0 nothing is done
 };
 

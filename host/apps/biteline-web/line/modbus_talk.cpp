@@ -24,7 +24,8 @@ constexpr std::size_t k_most_length = 254;
 constexpr std::size_t k_short_pdu_bytes = 5;
 constexpr int k_job_at = 0;
 constexpr int k_start_at = 1;
-constexpr int k_holding = 2;
+constexpr int k_stop_at = 2;
+constexpr int k_holding = 3;
 constexpr int k_inputs = 5;
 
 int word_at(std::span<const std::uint8_t> bytes, std::size_t at) {
@@ -60,6 +61,7 @@ void take_register(LineCommand& command, int address, int value) {
   if (address == k_job_at) command.job = value;
   // 0 stands for "no start": controls write it to put their register back.
   if (address == k_start_at && value > 0) command.start = value;
+  if (address == k_stop_at && value > 0) command.stop = true;
 }
 
 /// What a sound request writes; nothing where a part of it lies beyond the registers: it is refused whole.
@@ -129,6 +131,7 @@ class ModbusTalk final : public LineTalk {
     mapping_->tab_registers[k_job_at] = static_cast<std::uint16_t>(news.state.job);
     mapping_->tab_registers[k_start_at] = static_cast<std::uint16_t>(news.state.taken);
     using line_control::Step;
+    mapping_->tab_registers[k_stop_at] = news.state.step == Step::Stopped ? 1 : 0;
     const std::array bits{news.state.step == Step::Ready, news.state.busy, news.state.done,
                           news.state.step == Step::Deciding, news.state.step != Step::Away};
     static_assert(std::tuple_size_v<decltype(bits)> == k_inputs);

@@ -56,6 +56,8 @@ class TextTalk final : public LineTalk {
     if (line.ends_with('\r')) line.remove_suffix(1);
     if (line == "BYE") {
       cut.farewell = true;
+    } else if (line == "STOP") {
+      cut.command.stop = true;
     } else if (line != "STATE") {
       cut.command.job = number_behind(line, "JOB");
       cut.command.start = number_behind(line, "START");
@@ -66,7 +68,8 @@ class TextTalk final : public LineTalk {
 
   [[nodiscard]] std::string answer(const LineCommand& command, const LineNews& news) override {
     if (command.fault > 0) return line_of(std::array{static_cast<std::uint16_t>(command.fault)});
-    if (command.job || command.start) return line_of(std::array{static_cast<std::uint16_t>(news.refusal)});
+    if (command.job || command.start || command.stop)
+      return line_of(std::array{static_cast<std::uint16_t>(news.refusal)});
     return line_of(line_control::values_of(news.state, news.heartbeat, news.refusal));
   }
 };

@@ -113,6 +113,78 @@ TEST(ControlEnd, UrgentRequestsPassThoseThatWait) {
   LONGS_EQUAL(200, answer.get().status);
 }
 
+TEST(ControlEnd, ARequestThatWaitsIsAsOldAsTheMomentOfItsHearing) {
+  std::atomic<std::uint64_t> stops{7};
+  std::promise<void> gate;
+  const std::shared_future<void> opened = gate.get_future().share();
+  ServerConfig config;
+  config.endpoint.host = "127.0.0.1";
+  const auto server = Server::open(config, {.urgent = [&](const Request& request) -> std::optional<Answer> {
+                                              if (request.path != "/stop") return std::nullopt;
+                                              ++stops;
+                                              return Answer{};
+                                            },
+                                            .ordinary =
+                                                [opened](const Request& request) {
+                                                  if (request.path == "/slow") opened.wait();
+                                                  Answer answer;
+                                                  answer.body = request.stops;
+                                                  return answer;
+                                                },
+                                            .stops = [&] { return stops.load(); }});
+  SUCCEEDS(server);
+  const auto client = Client::open({.endpoint = endpoint_of(**server), .keys = {}, .patience = k_patience});
+  SUCCEEDS(client);
+  std::promise<Answer> slow, order;
+  (*client)->ask(request_to("/slow"), [&](Answer answer) { slow.set_value(std::move(answer)); });
+  (*client)->ask(request_to("/order"), [&](Answer answer) { order.set_value(std::move(answer)); });
+  LONGS_EQUAL(200, (*client)->ask(request_to("/stop")).status);
+  gate.set_value();
+  LONGS_EQUAL(7, slow.get_future().get().body.get<int>());
+  LONGS_EQUAL(7, order.get_future().get().body.get<int>());
+  LONGS_EQUAL(8, (*client)->ask(request_to("/order")).body.get<int>());
+}
+
+/// Neither at the service's end nor at the door's own, and through each of the three words.
+TEST(ControlEnd, AStopPassesFullQueues) {
+  Echo echo;
+  Handlers handlers = echo.handlers();
+  handlers.urgent = [](const Request& request) -> std::optional<Answer> {
+    if (!is_stop(request)) return std::nullopt;
+    Answer answer;
+    answer.body = "stopped";
+    return answer;
+  };
+  // Not even an answer comes to what is asked first, so that the door's own places are taken.
+  std::promise<void> gate;
+  const std::shared_future<void> opened = gate.get_future().share();
+  handlers.ordinary = [opened](const Request&) {
+    opened.wait();
+    return Answer{};
+  };
+  handlers.is_long = [](const Request& request) { return request.path == "/long"; };
+  ServerConfig config;
+  config.endpoint.host = "127.0.0.1";
+  const auto server = Server::open(config, handlers);
+  SUCCEEDS(server);
+  const auto client = Client::open({.endpoint = endpoint_of(**server), .keys = {}, .patience = k_patience});
+  SUCCEEDS(client);
+  std::atomic<int> busy{0}, answered{0};
+  const auto count = [&](const Answer& answer) {
+    if (answer.status == 503) ++busy;
+    ++answered;
+  };
+  for (int i = 0; i < 2000; ++i) (*client)->ask(request_to(i % 2 == 0 ? "/a" : "/long"), count);
+  for (const char* path : {k_stop_path, k_laser_off_path, k_line_stop_path}) {
+    Request stop = request_to(path);
+    stop.method = "POST";
+    STRCMP_EQUAL("stopped", (*client)->ask(std::move(stop)).body.get<std::string>().c_str());
+  }
+  CHECK(comes_true([&] { return busy > 0 && answered == busy; }));
+  gate.set_value();
+  CHECK(comes_true([&] { return answered == 2000; }));
+}
+
 TEST(ControlEnd, WhatTakesSecondsHoldsUpNoOtherRequest) {
   Echo echo;
   const auto server = open_server(echo);
