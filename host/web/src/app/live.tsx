@@ -193,6 +193,7 @@ export function Waiting(): JSX.Element | null {
       scan.decision === 'held' ||
       (scan.decision === 'open' &&
         (scan.verdict === 'ok' || scan.verdict === 'amber') &&
+        scan.reason_code !== 'stopped_by_a_person' &&
         scan.id === state?.scan),
   );
   if (waiting.length === 0) return null;
@@ -259,6 +260,8 @@ export function Decide({ scan }: { scan: ScanRow }): JSX.Element {
   const has_line = scan.verdict === 'ok' || scan.verdict === 'amber';
   // What the service would refuse is not offered: it sends what waits, and holds what is in work.
   const nameless = scan.decision === 'held' && scan.reason_code === 'model_unknown';
+  const decided = scan.sent || scan.decision === 'rejected' || scan.decision === 'accepted';
+  const no_word_yet = !decided && (has_line || scan.decision === 'held');
   const waits = has_line && scan.decision === 'held' && !scan.sent && !nameless;
   return (
     <div class="tools">
@@ -273,7 +276,7 @@ export function Decide({ scan }: { scan: ScanRow }): JSX.Element {
           {t('accept')}
         </button>
       )}
-      {!scan.sent && scan.decision !== 'rejected' && (has_line || scan.decision === 'held') && (
+      {no_word_yet && (
         <AskWhy
           label={t('reject')}
           kind="stop-quiet"
