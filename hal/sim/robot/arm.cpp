@@ -11,6 +11,11 @@ double seconds(Nanoseconds time) {
   return static_cast<double>(time.count()) * 1e-9;
 }
 
+std::uint8_t with_output(std::uint8_t bits, int number, bool on) {
+  const auto bit = static_cast<std::uint8_t>(1U << static_cast<unsigned>(number));
+  return static_cast<std::uint8_t>(on ? bits | bit : bits & ~bit);
+}
+
 }  // namespace
 
 Arm::Arm(const ArmKinematics& kinematics, const SE3& T_base_flange_start, const ArmDynamics& dynamics)
@@ -48,6 +53,10 @@ ArmState Arm::at(SensorClock::time_point instant) const {
     state.T_base_flange = program_->T_base_flange_at(std::max(0.0, time_s));
     state.T_flange_tcp = program_->T_flange_tcp_at(std::max(0.0, time_s));
     state.outputs = program_->outputs_at(std::max(0.0, time_s));
+    for (const SetBeside& set : beside_) {
+      if (!program_->sets_output_between(set.number, set.time_s, time_s))
+        state.outputs = with_output(state.outputs, set.number, set.on);
+    }
     state.q_rad = program_->q_rad_at(std::max(0.0, time_s));
     state.payload = program_->payload_at(std::max(0.0, time_s));
     state.program_name = program_->name();
@@ -88,7 +97,24 @@ void Arm::stand(SensorClock::time_point instant) {
   payload_ = now.payload;
   motion_.reset();
   program_.reset();
+  beside_.clear();
   begin_ = instant;
+}
+
+void Arm::set_output(int number, bool on, SensorClock::time_point instant) {
+  const std::lock_guard lock(mutex_);
+  if (!program_) {
+    outputs_ = with_output(outputs_, number, on);
+  } else {
+    std::erase_if(beside_, [number](const SetBeside& set) { return set.number == number; });
+    beside_.push_back({.number = number, .on = on, .time_s = seconds(instant - begin_)});
+  }
+}
+
+Arm::Running Arm::running(SensorClock::time_point instant) const {
+  const std::lock_guard lock(mutex_);
+  if (!program_ || seconds(instant - begin_) >= program_->duration_s()) return {};
+  return {.program = program_, .begin = begin_};
 }
 
 void Arm::stop(SensorClock::time_point instant) {

@@ -61,8 +61,16 @@ class Arm {
   /// Replaces whatever is on; begins at `begin` from where the arm then is.
   void run(FlangeMotion motion, SensorClock::time_point begin);
   void run(const Script& script, SensorClock::time_point begin);
-  /// Stands still from `instant` on.
+  /// Stands still from `instant` on.  Outputs stay as they are.
   void stop(SensorClock::time_point instant);
+  /// What runs beside the moves sets an output, until the program itself sets it again.
+  void set_output(int number, bool on, SensorClock::time_point instant);
+
+  struct Running {
+    std::shared_ptr<const Program> program{};  ///< nullptr: none
+    SensorClock::time_point begin{};
+  };
+  [[nodiscard]] Running running(SensorClock::time_point instant) const;
 
   [[nodiscard]] const ArmKinematics& kinematics() const { return kinematics_; }
 
@@ -81,6 +89,12 @@ class Arm {
   std::shared_ptr<const FlangeMotion> motion_;
   std::shared_ptr<const Program> program_;
   SensorClock::time_point begin_;
+  struct SetBeside {
+    int number;
+    bool on;
+    double time_s;  ///< of the program
+  };
+  std::vector<SetBeside> beside_;  ///< outputs set by what runs beside the program
   bool ideal_{true};
   mutable std::mutex real_mutex_;  ///< before mutex_
   mutable RealJoints real_;

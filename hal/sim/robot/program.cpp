@@ -42,6 +42,7 @@ Program Program::plan(const Script& script, const ArmKinematics& arm, const SE3&
                       std::uint8_t outputs_start) {
   Program program(arm);
   program.name_ = script.name;
+  program.threads_ = script.threads;
   SE3 T_base_flange = T_base_flange_start;
   SE3 T_flange_tcp = T_flange_tcp_start;
   Payload payload = payload_start;
@@ -115,10 +116,25 @@ Program Program::plan(const Script& script, const ArmKinematics& arm, const SE3&
       const auto bit = static_cast<std::uint8_t>(1U << static_cast<unsigned>(output->number));
       outputs = static_cast<std::uint8_t>(output->active ? outputs | bit : outputs & ~bit);
       append(0, Hold{T_base_flange});
+      program.events_.push_back({.time_s = time_s, .step = step});
+    } else if (!std::holds_alternative<TextStep>(step)) {
+      program.events_.push_back({.time_s = time_s, .step = step});
     }
   }
   flush();
   return program;
+}
+
+bool Program::sets_output_between(int number, double after_s, double until_s) const {
+  return std::ranges::any_of(events_, [&](const ProgramEvent& event) {
+    const auto* output = std::get_if<DigitalOutStep>(&event.step);
+    return output != nullptr && output->number == number && event.time_s > after_s && event.time_s <= until_s;
+  });
+}
+
+const ThreadCode* Program::thread(std::string_view name) const {
+  const auto known = std::ranges::find(threads_, name, &ThreadCode::name);
+  return known == threads_.end() ? nullptr : &*known;
 }
 
 const Program::Piece& Program::piece_at(double time_s) const {

@@ -11,6 +11,12 @@
 
 namespace biteline::sim {
 
+/// What is done beside the moves, and when: to a thread, a watchdog, an output.
+struct ProgramEvent {
+  double time_s{0};
+  ScriptStep step;
+};
+
 /// Immutable after plan().
 class Program {
  public:
@@ -32,6 +38,14 @@ class Program {
   /// Bits of the digital outputs, 0 to 7, as they were before it, and as the script has set and cleared
   /// them since.
   [[nodiscard]] std::uint8_t outputs_at(double time_s) const;
+
+  /// The script itself has set that output after the one time and not after the other.
+  [[nodiscard]] bool sets_output_between(int number, double after_s, double until_s) const;
+
+  /// In their order.
+  [[nodiscard]] const std::vector<ProgramEvent>& events() const { return events_; }
+  /// nullptr: it has none of that name.
+  [[nodiscard]] const ThreadCode* thread(std::string_view name) const;
 
  private:
   struct Hold {
@@ -57,6 +71,8 @@ class Program {
   ArmKinematics arm_;
   std::string name_;
   std::vector<Piece> pieces_;
+  std::vector<ProgramEvent> events_;
+  std::vector<ThreadCode> threads_;
 };
 
 }  // namespace biteline::sim

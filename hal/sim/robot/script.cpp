@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "hal/sim/robot/script.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <map>
+#include <utility>
 
 namespace biteline::sim {
 
@@ -58,6 +60,12 @@ class LineReader {
     std::string found(text_.substr(0, length));
     text_.remove_prefix(length);
     return found;
+  }
+  bool take_word(std::string_view expected) {
+    const std::string_view before = text_;
+    if (word() == expected) return true;
+    text_ = before;
+    return false;
   }
   [[nodiscard]] bool at_end() {
     skip_spaces();
@@ -237,6 +245,19 @@ Result<std::optional<ScriptStep>> step_of(const std::string& function, const std
     const auto* text = arguments.empty() ? nullptr : std::get_if<std::string>(&arguments[0].value);
     return std::optional<ScriptStep>{TextStep{text != nullptr ? *text : ""}};
   }
+  if (function == "rtde_set_watchdog") {
+    const auto* variable = arguments.empty() ? nullptr : std::get_if<std::string>(&arguments[0].value);
+    const auto* action = arguments.size() < 3 ? nullptr : std::get_if<std::string>(&arguments[2].value);
+    BITELINE_ASSIGN(const double min_hz, number_of(arguments, "min_frequency", 1, 0, line));
+    if (variable == nullptr || !(min_hz > 0))
+      return fail(Errc::BadValue, "script line %d: %s: a variable and a frequency expected", line,
+                  function.c_str());
+    if (action == nullptr || (*action != "stop" && *action != "ignore"))
+      return fail(Errc::NotSupported, "script line %d: %s: no action but stop and ignore is simulated", line,
+                  function.c_str());
+    return std::optional<ScriptStep>{
+        WatchdogStep{.variable = *variable, .min_hz = min_hz, .stops = *action == "stop"}};
+  }
   if (function == "sync" || function == "stopl" || function == "stopj") return std::optional<ScriptStep>{};
   return fail(Errc::NotSupported, "script line %d: '%s' is not simulated", line, function.c_str());
 }
@@ -248,6 +269,8 @@ Result<Script> parse_script(std::string_view text) {
   std::map<std::string, Literal> variables;
   int line = 0;
   bool inside = false, ended = false;
+  std::optional<ThreadReader> thread;          // whose body is being read
+  std::map<std::string, std::string> running;  // threads by the variable of their handle
   while (!text.empty()) {
     const std::size_t length = std::min(text.find('\n'), text.size());
     std::string_view row = text.substr(0, length);
@@ -258,6 +281,11 @@ Result<Script> parse_script(std::string_view text) {
       row.remove_suffix(1);
     LineReader reader(row, line, variables);
     if (reader.at_end()) continue;
+    if (thread) {
+      BITELINE_ASSIGN(const bool whole, thread->take(row, line));
+      if (whole) script.threads.push_back((*std::exchange(thread, std::nullopt)).code());
+      continue;
+    }
     if (ended) return fail(Errc::BadFormat, "script line %d: something follows the end of the program", line);
     std::string name = reader.word();
     if (name == "def" || name == "sec") {
@@ -269,6 +297,17 @@ Result<Script> parse_script(std::string_view text) {
       inside = true;
       continue;
     }
+    if (name == "thread") {
+      thread.emplace(reader.word());
+      if (!reader.take('(') || !reader.take(')') || !reader.take(':')) return reader.wrong("'():'");
+      continue;
+    }
+    if (name == "kill") {
+      const auto known = running.find(reader.word());
+      if (known == running.end()) return reader.wrong("kill and a thread that runs");
+      script.steps.emplace_back(KillThreadStep{known->second});
+      continue;
+    }
     if (name == "end") {
       if (!inside) return fail(Errc::BadFormat, "script line %d: 'end' without 'def'", line);
       ended = true;
@@ -276,6 +315,15 @@ Result<Script> parse_script(std::string_view text) {
     }
     if (name == "local" || name == "global") name = reader.word();
     if (reader.take('=')) {
+      if (reader.take_word("run")) {
+        const std::string started = reader.word();
+        const auto known = std::ranges::find(script.threads, started, &ThreadCode::name);
+        if (known == script.threads.end() || !reader.take('(') || !reader.take(')'))
+          return reader.wrong("run and a thread's name()");
+        running[name] = started;
+        script.steps.emplace_back(RunThreadStep{started});
+        continue;
+      }
       BITELINE_ASSIGN(variables[name], reader.literal());
       if (!reader.at_end()) return reader.wrong("the end of the line");
       continue;
@@ -287,7 +335,7 @@ Result<Script> parse_script(std::string_view text) {
     BITELINE_ASSIGN(auto step, step_of(name, arguments, line));
     if (step) script.steps.push_back(std::move(*step));
   }
-  if (inside && !ended) return fail(Errc::Truncated, "script line %d: 'end' is missing", line);
+  if (thread || (inside && !ended)) return fail(Errc::Truncated, "script line %d: 'end' is missing", line);
   return script;
 }
 

@@ -13,6 +13,7 @@
 #include "common/core/result.hpp"
 #include "common/geometry/se3.hpp"
 #include "hal/sim/robot/arm_kinematics.hpp"
+#include "hal/sim/robot/thread_code.hpp"
 
 namespace biteline::sim {
 
@@ -44,17 +45,31 @@ struct DigitalOutStep {
 struct TextStep {
   std::string text;
 };
-using ScriptStep = std::variant<MoveStep, SetTcpStep, Payload, SleepStep, DigitalOutStep, TextStep>;
+struct RunThreadStep {
+  std::string name;  ///< of the thread
+};
+struct KillThreadStep {
+  std::string name;
+};
+struct WatchdogStep {
+  std::string variable;  ///< an RTDE input
+  double min_hz{0};
+  bool stops{true};  ///< the program; else it is ignored
+};
+using ScriptStep = std::variant<MoveStep, SetTcpStep, Payload, SleepStep, DigitalOutStep, TextStep,
+                                RunThreadStep, KillThreadStep, WatchdogStep>;
 
 struct Script {
   std::string name{"script"};
   std::vector<ScriptStep> steps;
+  std::vector<ThreadCode> threads{};
   std::optional<JointVector> start_rad{};  ///< where the arm's joints are when it begins, if known
 };
 
 /// `def name(): ... end` or bare lines; movel, movep, movej, set_tcp, set_payload, set_digital_out,
-/// set_standard_digital_out, sleep, sync, textmsg; variables that hold literals.  Universal Robots, "The
-/// URScript Programming Language", with its defaults for a and v.  No loops and no conditions.
+/// set_standard_digital_out, sleep, sync, textmsg; variables that hold literals; rtde_set_watchdog with
+/// "stop" or "ignore"; threads (thread_code.hpp), run and killed.  Universal Robots, "The URScript
+/// Programming Language", with its defaults for a and v.  No loops and no conditions but in threads.
 [[nodiscard]] Result<Script> parse_script(std::string_view text);
 
 }  // namespace biteline::sim

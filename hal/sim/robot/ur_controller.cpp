@@ -19,6 +19,9 @@ constexpr std::size_t k_longest_line_bytes = 1000;
 /// A client that reads nothing for so long that this piles up is cut off.
 constexpr std::size_t k_most_waiting_bytes = 4U << 20U;
 
+/// States for a client that does not read are dropped beyond so much; scripts are still taken from it.
+constexpr std::size_t k_most_unread_states = 64U << 10U;
+
 class TakeInputs final : public rtde::ControllerListener {
  public:
   explicit TakeInputs(UrValues& values) : values_(values) {}
@@ -42,14 +45,15 @@ std::optional<std::string> take_program(std::vector<std::uint8_t>& bytes) {
   if (begin == std::string::npos) return std::nullopt;
   const bool function = text.compare(begin, 4, "def ") == 0 || text.compare(begin, 4, "sec ") == 0;
   std::size_t end = text.find('\n', begin);
-  while (function && end != std::string::npos) {
-    const std::size_t line_begin = text.find_last_of('\n', end == 0 ? 0 : end - 1);
-    const std::size_t first = line_begin == std::string::npos ? begin : line_begin + 1;
+  int depth = 0;
+  for (std::size_t first = begin; function && end != std::string::npos;) {
     std::string line = text.substr(first, end - first);
     line.erase(0, std::min(line.find_first_not_of(" \t"), line.size()));
     while (!line.empty() && (line.back() == '\r' || line.back() == ' ')) line.pop_back();
-    if (line == "end") break;
-    end = text.find('\n', end + 1);
+    if (line.ends_with(':') && !line.starts_with("else") && !line.starts_with("elif")) ++depth;
+    if (line == "end" && --depth <= 0) break;
+    first = end + 1;
+    end = text.find('\n', first);
   }
   if (end == std::string::npos) return std::nullopt;
   bytes.erase(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(end + 1));
@@ -67,7 +71,11 @@ void drop_dead(Clients& clients) {
 }  // namespace
 
 UrController::UrController(const Config& config, Arm& arm, OnCycle on_cycle)
-    : config_(config), arm_(arm), on_cycle_(std::move(on_cycle)), values_(arm.kinematics()) {}
+    : config_(config),
+      arm_(arm),
+      on_cycle_(std::move(on_cycle)),
+      values_(arm.kinematics()),
+      program_watch_(arm) {}
 
 UrController::~UrController() {
   stopping_ = true;
@@ -121,6 +129,11 @@ void UrController::wait_until(SensorClock::time_point instant) {
 
 void UrController::cycle(std::uint64_t number) {
   const auto instant = instant_of(number);
+  if (const std::string cut = program_watch_.step(instant, values_); !cut.empty()) {
+    ++programs_cut_;
+    for (const auto& client : rtde_clients_)
+      client->session.send_text({.level = rtde::TextLevel::Warning, .text = cut, .source = "program"});
+  }
   const ArmState state = arm_.at(instant);
   const ArmReal real = arm_.real_at(instant);
   const Nanoseconds stamp = instant.time_since_epoch() + config_.clock_offset;
@@ -131,7 +144,8 @@ void UrController::cycle(std::uint64_t number) {
   if (std::exchange(states_sent_, number / cycles_per_state) != number / cycles_per_state) {
     const std::vector<std::uint8_t> told = primary_state(state, stamp);
     for (const auto& client : script_clients_) {
-      if (client->primary) client->outgoing.insert(client->outgoing.end(), told.begin(), told.end());
+      if (client->outgoing.size() < k_most_unread_states)
+        client->outgoing.insert(client->outgoing.end(), told.begin(), told.end());
     }
   }
   for (const auto& client : rtde_clients_) {
@@ -163,7 +177,6 @@ void UrController::accept_clients() {
     if (hal::Descriptor socket = accept_from(*listener); socket.is_open()) {
       script_clients_.push_back(std::make_unique<Client>());
       script_clients_.back()->socket = std::move(socket);
-      script_clients_.back()->primary = listener == &primary_listener_;
     }
   }
   if (hal::Descriptor socket = accept_from(dashboard_listener_); socket.is_open()) {
@@ -186,13 +199,14 @@ void UrController::serve_rtde() {
 }
 
 void UrController::serve_scripts() {
+  const bool close_all = close_scripts_.exchange(false);
   for (const auto& client : script_clients_) {
     const bool alive = read_available(client->socket, client->incoming);
     // A program sent without its last line end is complete when the sender closes.
     if (!alive) client->incoming.push_back('\n');
     while (auto program = take_program(client->incoming)) run_script(*program, *client);
     if (client->incoming.size() > k_longest_script_bytes) client->closing = true;
-    if (!write_available(client->socket, client->outgoing) || !alive) client->socket.close();
+    if (!write_available(client->socket, client->outgoing) || !alive || close_all) client->socket.close();
   }
   drop_dead(script_clients_);
 }

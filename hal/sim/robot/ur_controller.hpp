@@ -20,9 +20,10 @@ namespace biteline::sim {
 ///
 /// Dashboard: robotmode, safetystatus, safetymode, running, programState, stop, "is in remote control",
 /// "unlock protective stop", PolyscopeVersion, "get robot model", "get serial number", quit; other lines get
-/// the real one's answer to the unknown.  The primary port sends the robot's mode ten times a second
-/// (Universal Robots, "Client interfaces", robot state message with its robot mode data) and takes scripts,
-/// too. Thread: any for the public methods.
+/// the real one's answer to the unknown.  Script port and primary port send the robot's mode ten times a
+/// second (Universal Robots, "Client interfaces", robot state message with its robot mode data) and take
+/// scripts; who does not read there loses states. Threads of a program and its watchdogs on RTDE inputs run
+/// on the controller's cycles. Thread: any for the public methods.
 class UrController {
  public:
   struct Config {
@@ -55,17 +56,20 @@ class UrController {
   /// no program until it is let go.
   void set_remote_control(bool on) { remote_control_ = on; }
   void set_protective_stop(bool on) { protective_stop_ = on; }
+  /// As a real one does when it goes to local control: it ends each connection to the script port.
+  void close_script_connections() { close_scripts_ = true; }
   [[nodiscard]] std::uint64_t scripts_run() const { return scripts_run_.load(); }
   [[nodiscard]] std::uint64_t scripts_refused() const { return scripts_refused_.load(); }
   /// For blends that meet.
   [[nodiscard]] std::uint64_t moves_skipped() const { return moves_skipped_.load(); }
+  /// Programs that a watchdog or a thread of their own ended.
+  [[nodiscard]] std::uint64_t programs_cut() const { return programs_cut_.load(); }
 
  private:
   struct Client {
     hal::Descriptor socket;
     std::vector<std::uint8_t> incoming, outgoing;
     bool closing{false};  ///< as soon as all is sent
-    bool primary{false};  ///< hears states
   };
   struct RtdeClient : Client {
     explicit RtdeClient(const rtde::ControllerSession::Config& config) : session(config) {}
@@ -92,14 +96,15 @@ class UrController {
   Arm& arm_;
   OnCycle on_cycle_;
   UrValues values_;
+  ProgramWatch program_watch_;
   TcpListener rtde_listener_, script_listener_, dashboard_listener_, primary_listener_;
   std::shared_ptr<rtde::InputOwners> input_owners_{std::make_shared<rtde::InputOwners>()};
-  std::atomic<bool> remote_control_{true}, protective_stop_{false};
+  std::atomic<bool> remote_control_{true}, protective_stop_{false}, close_scripts_{false};
   std::vector<std::unique_ptr<RtdeClient>> rtde_clients_;
   std::vector<std::unique_ptr<Client>> script_clients_, dashboard_clients_;
   SensorClock::time_point begin_;
   std::uint64_t states_sent_{0};  ///< periods of the primary port
-  std::atomic<std::uint64_t> scripts_run_{0}, scripts_refused_{0}, moves_skipped_{0};
+  std::atomic<std::uint64_t> scripts_run_{0}, scripts_refused_{0}, moves_skipped_{0}, programs_cut_{0};
   std::atomic<bool> stopping_{false};
   std::thread thread_;
 };

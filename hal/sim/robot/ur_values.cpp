@@ -3,6 +3,8 @@
 
 #include <utility>
 
+#include "hal/linux/posix/descriptor.hpp"
+
 namespace biteline::sim {
 
 namespace {
@@ -82,8 +84,20 @@ void UrValues::take_inputs(const rtde::Recipe& recipe, std::span<const rtde::Val
     if (name == "speed_slider_mask") slider_mask = std::get<std::uint32_t>(values[i]);
     if (name == "speed_slider_fraction") slider = std::get<double>(values[i]);
     if (name.starts_with("input_")) inputs_[name] = values[i];
+    written_[name] = hal::monotonic_now();
   }
   if ((slider_mask & 1U) != 0 && slider >= 0 && slider <= 1) speed_slider_ratio_ = slider;
+}
+
+int UrValues::input_register(int number) const {
+  const auto input = inputs_.find("input_int_register_" + std::to_string(number));
+  const auto* value = input == inputs_.end() ? nullptr : std::get_if<std::int32_t>(&input->second);
+  return value == nullptr ? 0 : *value;
+}
+
+std::optional<SensorClock::time_point> UrValues::written(const std::string& variable) const {
+  const auto known = written_.find(variable);
+  return known == written_.end() ? std::nullopt : std::optional{known->second};
 }
 
 rtde::Value UrValues::value_of(std::string_view name) const {

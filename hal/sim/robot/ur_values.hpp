@@ -8,6 +8,7 @@
 
 #include "common/rtde/controller_session.hpp"
 #include "hal/sim/robot/arm.hpp"
+#include "hal/sim/robot/program_watch.hpp"
 
 namespace biteline::sim {
 
@@ -15,7 +16,7 @@ namespace biteline::sim {
 /// before. What is named target is the program's, what is named actual the encoders'. Joints are followed
 /// from cycle to cycle; where the links do not reach they keep their last values. What the simulation does
 /// not have (forces, currents, temperatures) reads 0.
-class UrValues final : public rtde::ValueSource {
+class UrValues final : public rtde::ValueSource, public RtdeInputs {
  public:
   explicit UrValues(const ArmKinematics& kinematics) : kinematics_(kinematics) {}
 
@@ -23,6 +24,8 @@ class UrValues final : public rtde::ValueSource {
 
   /// What clients wrote: the speed slider, and all that is read back under its own name.
   void take_inputs(const rtde::Recipe& recipe, std::span<const rtde::Value> values);
+  [[nodiscard]] int input_register(int number) const override;
+  [[nodiscard]] std::optional<SensorClock::time_point> written(const std::string& variable) const override;
   /// Held by the safety system, as after a collision.
   void set_protective_stop(bool on) { protective_stop_ = on; }
   [[nodiscard]] double speed_slider_ratio() const { return speed_slider_ratio_; }
@@ -40,6 +43,7 @@ class UrValues final : public rtde::ValueSource {
   double speed_slider_ratio_{1};
   bool protective_stop_{false};
   std::map<std::string, rtde::Value, std::less<>> inputs_;
+  std::map<std::string, SensorClock::time_point> written_;
   std::optional<JointVector> q_rad_;
   JointVector q_rad_s_{JointVector::Zero()};
   std::optional<JointVector> q_told_rad_;

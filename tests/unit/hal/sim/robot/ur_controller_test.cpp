@@ -44,6 +44,20 @@ std::string read_line(const hal::Descriptor& socket) {
   }
 }
 
+/// Words among the states that come there, too.
+bool says(const hal::Descriptor& socket, std::string_view words) {
+  std::string heard;
+  while (heard.find(words) == std::string::npos) {
+    pollfd wait{socket.number(), POLLIN, 0};
+    char bytes[500];
+    if (poll(&wait, 1, k_patience_ms) <= 0) return false;
+    const auto size = recv(socket.number(), bytes, sizeof bytes, 0);
+    if (size <= 0) return false;
+    heard.append(bytes, static_cast<std::size_t>(size));
+  }
+  return true;
+}
+
 class Recorder final : public rtde::ClientListener {
  public:
   void on_data(std::size_t, std::span<const rtde::Value> values) override {
@@ -137,7 +151,7 @@ TEST(UrController, BlendsThatMeetAreToldOnBothWays) {
   send_text(script,
             "def close():\n  movep(p[0.4,0,0.3,0,3.1,0], r=0.0008)\n"
             "  movep(p[0.4015,0,0.3,0,3.1,0], r=0.0008)\nend\n");
-  STRCMP_CONTAINS("Overlapping Blends in a move command: move 2 skipped", read_line(script).c_str());
+  CHECK(says(script, "Overlapping Blends in a move command: move 2 skipped"));
   CHECK(client.read_until([](const Recorder& r) { return !r.texts.empty(); }));
   STRCMP_CONTAINS("Overlapping Blends", client.recorder.texts[0].c_str());
   LONGS_EQUAL(1, sut->moves_skipped());
@@ -149,7 +163,7 @@ TEST(UrController, AScriptItCannotReadMovesNothingAndIsSaid) {
   CHECK(client.read_until([](const Recorder& r) { return r.poses.size() >= 2; }));
   const hal::Descriptor script = connect_to(sut->ports().script);
   send_text(script, "def bad():\n  servoj([0,0,0,0,0,0])\nend\n");
-  STRCMP_CONTAINS("servoj", read_line(script).c_str());
+  CHECK(says(script, "servoj"));
   CHECK(client.read_until([](const Recorder& r) { return !r.texts.empty(); }));
   STRCMP_CONTAINS("line 2", client.recorder.texts[0].c_str());
   LONGS_EQUAL(1, sut->scripts_refused());
@@ -238,6 +252,36 @@ TEST(UrController, ThePrimaryPortSendsStates) {
   CHECK(mode == part(18, 9));
   for (const std::ptrdiff_t at : {27, 35, 43}) CHECK(one == part(at, 8));
   LONGS_EQUAL(0, bytes[51]);
+}
+
+/// A host that keeps its script connection and never reads loses states, and nothing else.
+TEST(UrController, TheScriptPortSendsStatesAlsoToWhoNeverReads) {
+  const hal::Descriptor deaf = connect_to(sut->ports().script), reader = connect_to(sut->ports().script);
+  const int small = 1;
+  setsockopt(deaf.number(), SOL_SOCKET, SO_RCVBUF, &small, sizeof small);
+  std::vector<std::uint8_t> bytes;
+  for (int i = 0; i < k_patience_ms && bytes.size() < 156; ++i) {
+    pollfd wait{reader.number(), POLLIN, 0};
+    poll(&wait, 1, 1);
+    CHECK(read_available(reader, bytes));
+  }
+  CHECK(bytes.size() >= 156);
+  send_text(deaf, "def wait():\n  sleep(100)\nend\n");
+  for (int i = 0; i < k_patience_ms && sut->scripts_run() < 1; ++i) poll(nullptr, 0, 1);
+  LONGS_EQUAL(1, sut->scripts_run());
+}
+
+TEST(UrController, ScriptConnectionsAreClosedOnDemandAndTakenAnew) {
+  const hal::Descriptor first = connect_to(sut->ports().script);
+  send_text(first, "def wait():\n  sleep(100)\nend\n");
+  for (int i = 0; i < k_patience_ms && sut->scripts_run() < 1; ++i) poll(nullptr, 0, 1);
+  sut->close_script_connections();
+  CHECK_FALSE(says(first, "words that never come"));  // the end of the connection
+  CHECK(arm.at(hal::monotonic_now()).program_running);
+  const hal::Descriptor second = connect_to(sut->ports().script);
+  send_text(second, "def other():\n  sleep(100)\nend\n");
+  for (int i = 0; i < k_patience_ms && sut->scripts_run() < 2; ++i) poll(nullptr, 0, 1);
+  LONGS_EQUAL(2, sut->scripts_run());
 }
 
 /// Lines as they stand in Universal Robots' "Dashboard Server e-Series" and in its client library's tests.
