@@ -279,7 +279,8 @@ Result<ExitStatus> Service::work_out_path(Scan& scan, const intake::ScanOutcome&
                    .approved = {},
                    .scan_ended = scan.recovered ? std::nullopt : scan.ended,
                    .mounted = taught,
-                   .mark = scan.mark};
+                   .mark = scan.mark,
+                   .claim = locks_.claim.get()};
   if (options_.stop_on_drift) check_own_calibration(scan, outcome);
   const bool drift_stops = scan.drifted && options_.stop_on_drift;
   const bool hold = cockpit_->wants_hold(name);

@@ -89,7 +89,8 @@ Result<robot::ur::Endpoint> dashboard_of(const ControllerAddress& controller) {
 
 Result<std::unique_ptr<robot::ur::UrLink>> open_robot(
     const ControllerAddress& controller,
-    double connect_patience_s = robot::ur::UrLink::Config{}.connect_patience_s) {
+    double connect_patience_s = robot::ur::UrLink::Config{}.connect_patience_s,
+    robot::ur::ArmClaim* claim = nullptr) {
   BITELINE_ASSIGN(const HostPort rtde, parse_host_port(controller.rtde));
   BITELINE_ASSIGN(const HostPort script, parse_host_port(controller.script));
   if (rtde.host != script.host) {
@@ -103,6 +104,7 @@ Result<std::unique_ptr<robot::ur::UrLink>> open_robot(
   config.script_port = script.port;
   config.dashboard_port = dashboard.port;
   config.connect_patience_s = connect_patience_s;
+  config.claim = claim;
   return robot::ur::UrLink::open(config);
 }
 
@@ -184,7 +186,7 @@ Result<ExitStatus> say_refused(const fs::path& folder, const robot::GateInputs& 
   return ExitStatus::Refused;
 }
 
-Result<void> write_followed(const fs::path& folder, const robot::FollowReport& followed) {
+Result<void> write_followed(const fs::path& folder, const robot::FollowReport& followed, bool dead_man) {
   const path::TrackDeviation& deviation = followed.deviation;
   nlohmann::ordered_json json{
       {"completed", deviation.completed},
@@ -205,13 +207,18 @@ Result<void> write_followed(const fs::path& folder, const robot::FollowReport& f
       {"from_path_rad", {{"max", deviation.max_rad}}},
       {"from_line_mm",
        {{"mean", deviation.line_mean_mm}, {"p95", deviation.line_p95_mm}, {"max", deviation.line_max_mm}}},
-      {"covered", deviation.covered}};
+      {"covered", deviation.covered},
+      {"at_rest", followed.ending.at_rest},
+      {"tool_output", robot::name_of(followed.ending.tool)},
+      {"stops_sent", followed.ending.stops},
+      {"oldest_state_s", followed.oldest_s},
+      {"dead_man", dead_man}};
   if (followed.halt) {
     const report::ToldRefusal told = report::told(*followed.halt);
     json["stopped"] = {{"reason_code", told.reason_code},
                        {"reason", told.reason},
                        {"next_step", told.next_step},
-                       {"at_rest", followed.at_rest}};
+                       {"at_rest", followed.ending.at_rest}};
   }
   BITELINE_TRY(robot::write_track(folder / "track.csv", followed.track));
   return report::write_file_atomically(folder / "followed.json", report::to_text(json) + "\n");
@@ -398,7 +405,9 @@ Result<ExitStatus> follow_path(const fs::path& folder, const PlanStep& plan, con
     return say_refused(folder, inputs);
   };
 
-  BITELINE_ASSIGN(const std::unique_ptr<robot::ur::UrLink> link, open_robot(request.controller));
+  BITELINE_ASSIGN(
+      const std::unique_ptr<robot::ur::UrLink> link,
+      open_robot(request.controller, robot::ur::UrLink::Config{}.connect_patience_s, request.claim));
   const Result<robot::RobotState> still = robot::wait_until_still(
       *link, {.turn_rad = robot::k_ringing_rad, .move_mm = robot::k_ringing_mm, .mark = request.mark});
   if (request.mark.stopped()) return stopped();
@@ -437,9 +446,12 @@ Result<ExitStatus> follow_path(const fs::path& folder, const PlanStep& plan, con
   if (const Result<void> written = beside.get(); !written) complain(written.error());
   if (!followed.sent && request.mark.stopped()) return stopped();
   // As far as it went, also when it was stopped.
-  BITELINE_TRY(write_followed(folder, followed));
+  BITELINE_TRY(write_followed(folder, followed, link->has_dead_man()));
+  if (!link->has_dead_man())
+    say_step("the arm's program had no dead man: nothing ends it when this machine or the cable fails");
   BITELINE_TRY(results::write_tracking(folder / "path", plan.request, plan.outcome, followed.track));
   BITELINE_TRY(results::write_file_list(folder));
+  if (followed.ending.stops > 1) say_step("the arm was told to stop %d times", followed.ending.stops);
   if (!done) return tl::unexpected<Error>{done.error()};
   say_step(
       "the arm followed the line in %.1f s: %.3f mm from it on average, %.3f mm at most; %.1f %% of it "

@@ -20,6 +20,10 @@
 #include "host/robot/path/process.hpp"
 #include "host/transfer/transfer.hpp"
 
+namespace biteline::robot::ur {
+class ArmClaim;
+}
+
 namespace biteline::service {
 
 /// One line on stdout, at once; from any thread.
@@ -113,7 +117,8 @@ struct SendRequest {
   double confidence{0};                   ///< of the line
   std::optional<robot::Word> approved{};  ///< a person's, on this result
   std::optional<HostClock::time_point> scan_ended{};
-  path::Mounted mounted{};  ///< as it is taught when the path is sent
+  path::Mounted mounted{};              ///< as it is taught when the path is sent
+  robot::ur::ArmClaim* claim{nullptr};  ///< of the dead man; outlives the following
   robot::StopMark mark{};   ///< of the order that the scan came of
 };
 

@@ -14,6 +14,10 @@ namespace {
 // How soon a stop from outside, a frozen or a senseless state is noticed: a fifth of what the stop may take.
 constexpr Nanoseconds k_look{20'000'000};
 constexpr Nanoseconds k_first_state_patience{1'000'000'000};
+constexpr double k_old_s = 0.1;
+constexpr double k_shaking_rad = 0.01;  // of a joint at the end of its path: some 2 mm of the tip
+// One state that says "no program runs" is not believed: so long all of them must, by both clocks.
+constexpr double k_ended_s = 0.1;
 
 double seconds(Nanoseconds duration) {
   return static_cast<double>(duration.count()) * 1e-9;
@@ -29,6 +33,8 @@ Errc errc_of(Halt halt) {
   switch (halt) {
     case Halt::Silent:
     case Halt::Unusable:
+    case Halt::Old:
+    case Halt::NotSent:
       return Errc::ConnectionLost;
     case Halt::ProtectiveStop:
       return Errc::InterlockOpen;
@@ -49,6 +55,8 @@ Errc errc_of(Halt halt) {
     case Halt::Stalled:
     case Halt::NotCovered:
       return Errc::CheckFailed;
+    case Halt::ToolOn:
+      return Errc::DeviceError;
   }
   return Errc::CheckFailed;
 }
@@ -71,17 +79,27 @@ class Run {
   std::optional<HaltReason> watch(FollowReport& report) {
     while (true) {
       const Result<RobotState> state = link_.wait_newer(newest_.sequence, k_look);
+      const bool newer = state && state->sampled > newest_.sampled;
       if (mark_.stopped()) return HaltReason{Halt::Person, "the service was told to stop"};
       if (link_.remote_control() == false)
         return HaltReason{Halt::LocalControl, "the controller was put into local control"};
       if (auto deaf = look_at_link(state)) return deaf;
-      if (!state) continue;
+      link_.beat();
+      // An instant that was heard already, or an older one, says nothing about now.
+      if (!newer) continue;
+      report.oldest_s = std::max(report.oldest_s, state->age_s);
+      if (auto old = look_at_age(*state)) return old;
       if (auto halt = look(*state)) return halt;
-      if (started_) report.slowest_speed_ratio = std::min(report.slowest_speed_ratio, state->speed_ratio);
-      if (started_ && !state->program_running) {
-        report.duration_s = seconds(state->received - sent_);
-        return std::nullopt;
+      if (!started_) continue;
+      if (state->program_running) {
+        ended_.reset();
+        report.slowest_speed_ratio = std::min(report.slowest_speed_ratio, state->speed_ratio);
+        continue;
       }
+      if (!ended_) ended_ = *state;
+      if (between_s(*ended_, *state) < k_ended_s) continue;
+      report.duration_s = seconds(ended_->received - sent_);
+      return ended_early();
     }
   }
 
@@ -99,6 +117,19 @@ class Run {
                                                     .view()}};
   }
 
+  /// All states for a while: a host that stood still for a moment reads old ones, and then a young one.
+  std::optional<HaltReason> look_at_age(const RobotState& state) {
+    if (state.age_s <= options_.age_s) {
+      old_since_.reset();
+      return std::nullopt;
+    }
+    if (!old_since_) old_since_ = state.received;
+    if (seconds(state.received - *old_since_) < k_old_s) return std::nullopt;
+    return HaltReason{Halt::Old, std::string{FixedText<100>::format("its states are %.2f s old (limit %.2f)",
+                                                                    state.age_s, options_.age_s)
+                                                 .view()}};
+  }
+
   std::optional<HaltReason> look(const RobotState& state) {
     if (state.safety == Safety::Stopped)
       return HaltReason{Halt::ProtectiveStop, "stopped by its safety system"};
@@ -111,7 +142,16 @@ class Run {
           Halt::NotEnded,
           std::string{FixedText<100>::format("the program did not end within %.0f s", longest_s_).view()}};
     }
-    return state.program_running ? watch_.look(state) : std::nullopt;
+    return watch_.look(state);
+  }
+
+  /// Before the whole run is judged, which takes time: an arm whose program has not ended goes on meanwhile.
+  std::optional<HaltReason> ended_early() const {
+    if (watch_.to_come_mm() <= options_.limits.off_path_mm) return std::nullopt;
+    return HaltReason{Halt::NotCovered,
+                      std::string{FixedText<100>::format("the program ended %.0f mm before the path did",
+                                                         watch_.to_come_mm())
+                                      .view()}};
   }
 
   std::optional<HaltReason> not_started() const {
@@ -130,39 +170,11 @@ class Run {
   double longest_s_;
   std::uint64_t unusable_;
   HostClock::time_point sent_;
-  RobotState newest_;
+  RobotState newest_;  ///< by the controller's clock
   bool started_{false};
+  std::optional<HostClock::time_point> old_since_;
+  std::optional<RobotState> ended_;  ///< the first of those in a row that say that no program runs
 };
-
-/// By both clocks: states that were held up tell little of the time in which they were awaited, and those
-/// that then come at once are old.
-double between_s(const RobotState& begin, const RobotState& end) {
-  return std::min(seconds(end.sampled - begin.sampled), seconds(end.received - begin.received));
-}
-
-/// After a stop: has the program ended, and does the arm stand?
-bool comes_to_rest(const RobotLink& link, double patience_s) {
-  // The newest one, however old: after a silence the link may be about to come back.
-  Result<RobotState> state = link.wait_newer(0, k_first_state_patience);
-  if (!state) return false;
-  const HostClock::time_point begin = state->received;
-  while (seconds(state->received - begin) < patience_s) {
-    if (!state->program_running || !state->powered)
-      return wait_until_still(link, {.patience_s = patience_s, .still_s = 0.1}).has_value();
-    state = link.wait_newer(state->sequence, k_first_state_patience);
-    if (!state) return false;
-  }
-  return false;
-}
-
-/// Twice, since a word may be lost; what then still moves only a person can stop.
-void stop_arm(RobotLink& link, const FollowOptions& options, FollowReport& report) {
-  for (int tries = 0; tries < 2; ++tries) {
-    const Result<void> stopped = link.stop();
-    report.at_rest = comes_to_rest(link, options.rest_patience_s);
-    if (stopped && report.at_rest) return;
-  }
-}
 
 /// The limits again over the whole track: a run is done only where this one agrees, too.
 std::optional<HaltReason> judge(const path::TrackDeviation& deviation, const path::FollowLimits& limits) {
@@ -178,6 +190,13 @@ std::optional<HaltReason> judge(const path::TrackDeviation& deviation, const pat
                       deviation.completed ? "" : " before the path did,", 100 * deviation.covered,
                       100 * limits.covered, deviation.max_mm, deviation.max_at_mm, limits.off_path_mm)
                       .view()}};
+}
+
+/// The line is worked, and what did it is not at rest.
+HaltReason not_ended(const Ending& ending) {
+  if (!ending.tool_is_safe())
+    return {Halt::ToolOn, "the path is done, and the tool's output is not seen off"};
+  return {Halt::NotEnded, "the path is done, and the arm does not come to rest"};
 }
 
 void fill(FollowReport& report, const std::vector<RobotState>& states, const path::CheckedPath& path) {
@@ -217,18 +236,38 @@ Result<void> follow(RobotLink& link, const PermittedPath& permitted, const Follo
   BITELINE_ASSIGN(const RobotState from, link.latest());
   link.start_recording();
   Run run{link, permitted, options, from};
-  if (const Result<void> sent = link.send(permitted); !sent) {
+  const Result<void> sent = link.send(permitted);
+  if (!sent && !link.may_run()) {
     static_cast<void>(link.take_recording());
     return sent;
   }
   report.sent = true;
-  report.halt = run.watch(report);
-  if (report.halt) stop_arm(link, options, report);
+  if (sent) {
+    report.halt = run.watch(report);
+  } else {
+    report.halt = HaltReason{Halt::NotSent, "the program did not leave whole: " + to_line(sent.error())};
+  }
+  const EndingOptions ending{.rest_patience_s = options.rest_patience_s,
+                             .output_patience_s = options.output_patience_s,
+                             .digital_output = path.path().digital_output};
+  if (report.halt) {
+    report.ending = stop_run(link, ending);
+  } else {
+    // An arm that is as far off as it may be on its path may shake by that at its end.
+    EndingOptions at_end = ending;
+    at_end.move_mm = options.limits.off_path_mm;
+    at_end.turn_rad = k_shaking_rad;
+    report.ending = end_run(link, at_end);
+  }
   fill(report, link.take_recording(), path);
   if (!report.halt) report.halt = judge(report.deviation, options.limits);
+  if (report.halt && report.ending.stops == 0) report.ending = stop_run(link, ending);
+  if (!report.halt && !report.ending.seen()) report.halt = not_ended(report.ending);
   if (!report.halt) return {};
-  return fail(errc_of(report.halt->code), "robot: %.180s%s", report.halt->reason.c_str(),
-              report.at_rest ? "" : "; IT DOES NOT CONFIRM THE STOP: PRESS ITS EMERGENCY STOP");
+  // First what a person must do now.
+  if (const std::string alarm = alarm_of(report.ending); !alarm.empty())
+    report.halt->reason = alarm + "; " + report.halt->reason;
+  return fail(errc_of(report.halt->code), "robot: %.240s", report.halt->reason.c_str());
 }
 
 Result<void> write_track(const std::filesystem::path& file, const std::vector<path::TrackSample>& track) {

@@ -4,6 +4,7 @@
 
 #include <optional>
 
+#include "host/robot/link/ending.hpp"
 #include "host/robot/link/halt.hpp"
 #include "host/robot/link/robot_link.hpp"
 #include "host/robot/path/track.hpp"
@@ -11,11 +12,15 @@
 namespace biteline::robot {
 
 struct FollowOptions {
-  double start_patience_s{5};   ///< from sending to the program's first motion
-  double way_there_rad{30};     ///< of the joints' way to the path's beginning, at its speed
-  double slowest_ratio{0.1};    ///< of the planned speed: the operator's slider
-  double rest_patience_s{2};    ///< from a stop to the arm at rest
-  path::FollowLimits limits{};  ///< beyond one of them the arm is stopped
+  double start_patience_s{5};  ///< from sending to the program's first motion
+  double way_there_rad{30};    ///< of the joints' way to the path's beginning, at its speed
+  double slowest_ratio{0.1};   ///< of the planned speed: the operator's slider
+  /// Of a state. The word that stops an arm is on the wire 0.1 s after the state beyond a limit; a view that
+  /// is older by as much again lets the arm go twice as far.
+  double age_s{0.1};
+  double rest_patience_s{2};      ///< from a stop to the arm at rest
+  double output_patience_s{0.5};  ///< from a program's end or a stop to the tool's output seen off
+  path::FollowLimits limits{};    ///< beyond one of them the arm is stopped
 };
 
 struct FollowReport {
@@ -25,7 +30,8 @@ struct FollowReport {
   double duration_s{0};
   double slowest_speed_ratio{1};   ///< that the controller reported meanwhile
   std::optional<HaltReason> halt;  ///< why it is no done job
-  bool at_rest{true};              ///< after a stop: the program has ended and the arm stands
+  double oldest_s{0};              ///< age of a state that was looked at
+  Ending ending;                   ///< the arm at rest, the tool off: as it was seen
 };
 
 struct StillOptions {
@@ -36,19 +42,16 @@ struct StillOptions {
   std::optional<StopMark> mark{};  ///< stopped: waits no longer
 };
 
-/// At its way's end an arm rings for some tenths of a second, at 8 to 20 Hz and by tenths of a millimetre. So
-/// much of turn_rad and move_mm is enough to send a path: a ninth of what the gate lets an arm move between
-/// the check of its way and the sending (path::GateLimits::start_rad), and 2 mm/s for an arm that creeps.
-inline constexpr double k_ringing_rad = 4e-4, k_ringing_mm = 0.4;
-
 /// Where the arm stands, once it stands.  Errc::Timeout when it goes on moving.
 [[nodiscard]] Result<RobotState> wait_until_still(const RobotLink& link, const StillOptions& options);
 
 /// Blocks until the program ends.  Each state is compared with the path; at the first one beyond a limit, and
 /// on a stop by the safety system, a lost connection, a frozen or senseless state, too long a wait or a stop
 /// since the path's order, the arm is told to stop and the reason returned: Errc::CheckFailed where the arm
-/// was at fault, the device's code where the device was.  Success means: every state within the limits and
-/// the line covered.  `report` is filled as far as it went, also on a failure.
+/// was at fault, the device's code where the device was.  Success means: every state within the limits, the
+/// line covered, the arm at rest, its tool's output off.  A run that is not done is stopped, whatever ended
+/// it: a state that says "the program has ended" may be wrong.  `report` is filled as far as it went, also on
+/// a failure.
 [[nodiscard]] Result<void> follow(RobotLink& link, const PermittedPath& permitted,
                                   const FollowOptions& options, FollowReport& report);
 

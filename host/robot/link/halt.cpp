@@ -25,6 +25,10 @@ std::span<const report::RefusalRow<Halt>> refusal_table(Halt) {
       Row{Halt::NotStarted, "not_started", "see on the pendant why the program does not start"},
       Row{Halt::NotEnded, "not_ended", "see on the pendant what holds the program"},
       Row{Halt::Person, "stopped_by_a_person", "scan again when the cell is ready"},
+      Row{Halt::Old, "old_states",
+          "see what holds up the controller's states: network, relay, a busy machine"},
+      Row{Halt::NotSent, "not_sent", "check the network to the controller, and scan again"},
+      Row{Halt::ToolOn, "tool_on", "switch the tool off at its supply, then see what holds its output on"},
   };
   return k_rows;
 }

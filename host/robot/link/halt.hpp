@@ -22,6 +22,9 @@ enum class Halt {
   NotStarted,      ///< the program did not begin
   NotEnded,        ///< the program did not end in any time it could need
   Person,          ///< the service was told to stop
+  Old,             ///< states come, and show what was
+  NotSent,         ///< the program did not leave whole: what the controller has of it is not known
+  ToolOn,          ///< the run is over, and the tool's output is not seen off
 };
 
 [[nodiscard]] std::span<const report::RefusalRow<Halt>> refusal_table(Halt);

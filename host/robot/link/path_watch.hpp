@@ -20,7 +20,8 @@ class PathWatch {
   /// What is beyond a limit at this state.  Pre: states in their order, while the program runs.
   [[nodiscard]] std::optional<HaltReason> look(const RobotState& state);
 
-  [[nodiscard]] double arc_mm() const { return here_mm_; }  ///< how far it has come
+  /// Of the path, before the tip.
+  [[nodiscard]] double to_come_mm() const { return path_.waypoints.back().arc_mm - here_mm_; }
 
  private:
   [[nodiscard]] std::optional<HaltReason> look_at_way(const RobotState& state);

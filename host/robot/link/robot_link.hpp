@@ -23,6 +23,7 @@ struct RobotState {
   std::uint64_t sequence{0};         ///< counts up by one per state since the link was opened
   RobotClock::time_point sampled{};  ///< by the controller
   HostClock::time_point received{};
+  double age_s{0};  ///< when it was received, beyond the youngest of this link (StateAge)
   kinematics::Joints q_rad{kinematics::Joints::Zero()};
   SE3 T_base_tcp{SE3::Identity()};
   SE3 T_flange_tcp{SE3::Identity()};
@@ -30,8 +31,13 @@ struct RobotState {
   bool program_running{false};
   Safety safety{Safety::Stopped};
   std::optional<path::Payload>
-      payload{};          ///< as the controller has it; nothing: not asked, or too old to say
-  double speed_ratio{0};  ///< of the programmed speed: the slider, or a safety limit
+      payload{};                     ///< as the controller has it; nothing: not asked, or too old to say
+  double speed_ratio{0};             ///< of the programmed speed: the slider, or a safety limit
+  std::uint64_t digital_outputs{0};  ///< bits, as they are at the controller's terminals
+
+  [[nodiscard]] bool output_on(int number) const {
+    return number >= 0 && ((digital_outputs >> static_cast<unsigned>(number)) & 1U) != 0;
+  }
 };
 
 struct LinkStatus {
@@ -59,8 +65,13 @@ class RobotLink {
   /// Starts the path's program.  Takes nothing but a path that the gate let through, and only while the arm
   /// stands where the gate saw it and nobody has said stop since the path's order.
   [[nodiscard]] virtual Result<void> send(const PermittedPath& path) = 0;
+  /// A byte of a program has left since send() was called last: it may run, whatever send() said.
+  [[nodiscard]] virtual bool may_run() const = 0;
   /// Ends the running program, the arm brakes, and switches off the output that the sent path switches on.
+  /// Success: the words have left this machine; whether they did anything the states tell.
   [[nodiscard]] virtual Result<void> stop() = 0;
+  /// The run is being watched: at each turn of the watch.  Thread: that of send() and stop().
+  virtual void beat() = 0;
 
   /// As the controller last said, while a sent path may run: asked twice a second, never waited for. Nothing:
   /// it has not said, or does not know the question.  Thread: that of send() and stop().

@@ -9,41 +9,24 @@
 #include <numbers>
 #include <optional>
 
-#include "host/robot/link/follow.hpp"
-#include "host/robot/link/ur/ur_link.hpp"
+#include "tests/integration/robot/played_run.hpp"
 #include "tests/support/timed_test.hpp"
-#include "tests/unit/host/robot/link/permitted.hpp"
-#include "tests/unit/host/robot/link/played_path.hpp"
 
 namespace biteline::robot {
 namespace {
 
 using test::FakeController;
+using test::Lie;
+using test::Played;
 using test::PlayedState;
+using test::seconds_between;
 
 constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double k_deg = std::numbers::pi / 180;
-// A CB3's rate by the controller's clock; the cycles themselves take some 2 ms, so that a path is over
-// sooner.
-constexpr double k_cycle_s = 0.008;
 // From the first state beyond a limit to the stop on the wire: a safety reaction.
 constexpr double k_stop_within_s = 0.1;
 // And until the host knows the arm at rest, less the arm's own braking.
 constexpr double k_rest_within_s = 0.3;
-// By the controller's clock: from 0.5 m/s at 2.5 m/s^2.
-constexpr double k_braking_s = 0.2;
-
-/// What a controller makes of a good state.  `share`: of the path; below 0 on the way there.
-using Lie = std::function<void(PlayedState&, double share)>;
-
-struct Played {
-  Result<void> followed;
-  FollowReport report;
-  FakeController::Times times;
-  std::string script;
-  FakeController::Clock::time_point returned;
-  double gone_mm{0};  ///< the tip's way from the first lie until the arm stood
-};
 
 /// What of the process file the halt stands for.
 std::string limit_of(Halt halt, const path::FollowLimits& limits) {
@@ -70,10 +53,6 @@ std::string limit_of(Halt halt, const path::FollowLimits& limits) {
   }
 }
 
-double seconds_between(FakeController::Clock::time_point a, FakeController::Clock::time_point b) {
-  return std::chrono::duration<double>(b - a).count();
-}
-
 /// A lie that begins at a share of the path and stays.
 Lie from(double begin, const std::function<void(PlayedState&)>& change) {
   return [begin, change](PlayedState& state, double share) {
@@ -98,95 +77,38 @@ void turn(PlayedState& state, double rad) {
 
 }  // namespace
 
-TEST_GROUP(FollowFaults) {
-  const path::CheckedPath& path = test::planned_path("grind.yaml");
-  kinematics::Joints home_rad =
-      path.path().waypoints.front().q_rad + (kinematics::Joints() << 0.6, -0.2, 0.1, 0, 0.2, -0.3).finished();
-  Stops said;
-  path::FollowLimits limits{};
+TEST_GROUP_BASE(FollowFaults, test::PlayedRun){
+    /// The arm is stopped for `expected`, in time, and its tool with it.
+    Played stops(const char* name, Halt expected, const Lie& lie, double noticed_within_s = 0,
+                 double pace = 1){const Played out = play(lie, pace);
+CHECK_TEXT(!out.followed.has_value(), name);
+CHECK_TEXT(out.report.halt.has_value(), name);
+STRCMP_EQUAL_TEXT(report::refusal_row(expected).name, report::refusal_row(out.report.halt->code).name, name);
+CHECK_TEXT(out.times.stop.has_value(), name);
+CHECK_TEXT(out.times.output_off.has_value(), name);
+CHECK_TEXT(out.times.lie.has_value(), name);
+const double delay_s = seconds_between(*out.times.lie, *out.times.stop);
+std::printf("%s: %s\n", name, to_line(out.followed.error()).c_str());
+CHECK_TEXT(delay_s <= noticed_within_s + k_stop_within_s, name);
+CHECK_TEXT(delay_s >= 0, name);
+CHECK_TEXT(out.report.ending.at_rest, name);
+CHECK_TEXT(out.times.rest.has_value(), name);
+const double braking_s = seconds_between(*out.times.stop, *out.times.rest);
+const double rest_s = seconds_between(*out.times.lie, out.returned);
+// A row of the table in tests/integration/faults/ROBOT.md.
+std::printf("| %s | `%s` | %s | %.0f | %.0f | %.1f |\n", name, report::refusal_row(expected).name,
+            limit_of(expected, limits).c_str(), 1000 * delay_s, 1000 * rest_s, out.gone_mm);
+CHECK_TEXT(rest_s <= noticed_within_s + k_rest_within_s + braking_s, name);
+CHECK_TEXT(out.returned >= *out.times.rest, name);
+return out;
+}  // namespace biteline::robot
 
-  /// The arm follows at the plan's speed times `pace`; what is sent goes through `lie`.
-  Played play(const Lie& lie, double pace = 1) {
-    const test::PlayedPath played{path.path(), home_rad};
-    double last_s = 0, stop_s = -1, braked_s = 0;
-    std::optional<Vec3> lie_at_m, rest_at_m;  // where the arm truly was
-    std::optional<FakeController> controller_there;
-    FakeController& controller = controller_there.emplace(
-        [&](PlayedState& state) {
-          const double now_s = std::max(0.0, pace * state.since_script_s);
-          // Told to stop it brakes evenly, and then stands where it is.
-          if (!state.stopped) {
-            last_s = stop_s = now_s;
-          } else {
-            const double since_s = std::min((now_s - stop_s) / pace, k_braking_s);
-            const double way_s = pace * (since_s - since_s * since_s / (2 * k_braking_s));
-            last_s += way_s - std::exchange(braked_s, way_s);
-            state.rests = since_s >= k_braking_s;
-          }
-          played.fill(last_s, state);
-          const bool runs = state.since_script_s > 0.1 && !state.rests && last_s < played.duration_s() + 0.2;
-          state.runtime_state = runs ? 2 : 1;
-          const Vec3 true_m{state.tcp_pose[0], state.tcp_pose[1], state.tcp_pose[2]};
-          if (state.since_script_s >= 0) lie(state, played.share_at(last_s));
-          if (state.lie && !lie_at_m) lie_at_m = true_m;
-          if (state.rests && !rest_at_m) rest_at_m = true_m;
-        },
-        k_cycle_s);
-    const auto link = ur::UrLink::open({.host = "127.0.0.1",
-                                        .rtde_port = controller.rtde_port(),
-                                        .script_port = controller.script_port(),
-                                        .dashboard_port = controller.dashboard_port(),
-                                        .rate_hz = 0,
-                                        .connect_patience_s = 20});
-    CHECK_TEXT(link.has_value(), link ? "" : to_line(link.error()).c_str());
-    Played out;
-    out.followed =
-        follow(**link, test::permitted(path, home_rad, said.now()), {.limits = limits}, out.report);
-    out.returned = FakeController::Clock::now();
-    // The stop program is written last, and read a cycle later.
-    for (int i = 0; i < 1000 && out.report.halt && out.report.halt->code != Halt::NotCovered &&
-                    !controller.times().output_off;
-         ++i)
-      std::this_thread::sleep_for(std::chrono::milliseconds{1});
-    out.times = controller.times();
-    out.script = controller.script();
-    controller_there.reset();  // its thread wrote the places
-    if (lie_at_m && rest_at_m) out.gone_mm = 1000 * (*rest_at_m - *lie_at_m).norm();
-    return out;
-  }
-
-  /// The arm is stopped for `expected`, in time, and its tool with it.
-  Played stops(const char* name, Halt expected, const Lie& lie, double noticed_within_s = 0,
-               double pace = 1) {
-    const Played out = play(lie, pace);
-    CHECK_TEXT(!out.followed.has_value(), name);
-    CHECK_TEXT(out.report.halt.has_value(), name);
-    STRCMP_EQUAL_TEXT(report::refusal_row(expected).name, report::refusal_row(out.report.halt->code).name,
-                      name);
-    CHECK_TEXT(out.times.stop.has_value(), name);
-    CHECK_TEXT(out.times.output_off.has_value(), name);
-    CHECK_TEXT(out.times.lie.has_value(), name);
-    const double delay_s = seconds_between(*out.times.lie, *out.times.stop);
-    std::printf("%s: %s\n", name, to_line(out.followed.error()).c_str());
-    CHECK_TEXT(delay_s <= noticed_within_s + k_stop_within_s, name);
-    CHECK_TEXT(delay_s >= 0, name);
-    CHECK_TEXT(out.report.at_rest, name);
-    CHECK_TEXT(out.times.rest.has_value(), name);
-    const double braking_s = seconds_between(*out.times.stop, *out.times.rest);
-    const double rest_s = seconds_between(*out.times.lie, out.returned);
-    // A row of the table in tests/integration/faults/ROBOT.md.
-    std::printf("| %s | `%s` | %s | %.0f | %.0f | %.1f |\n", name, report::refusal_row(expected).name,
-                limit_of(expected, limits).c_str(), 1000 * delay_s, 1000 * rest_s, out.gone_mm);
-    CHECK_TEXT(rest_s <= noticed_within_s + k_rest_within_s + braking_s, name);
-    CHECK_TEXT(out.returned >= *out.times.rest, name);
-    return out;
-  }
-
-  static void has_status_3(const Played& out) {
-    LONGS_EQUAL(static_cast<int>(ExitStatus::Refused),
-                static_cast<int>(error_row(out.followed.error().code).exit_status));
-  }
-};
+static void has_status_3(const Played& out) {
+  LONGS_EQUAL(static_cast<int>(ExitStatus::Refused),
+              static_cast<int>(error_row(out.followed.error().code).exit_status));
+}
+}
+;
 
 TEST(FollowFaults, ArmThatKeepsToThePathIsDone) {
   const Played out = play([](PlayedState&, double) {});
@@ -367,6 +289,8 @@ TEST(FollowFaults, ProgramThatEndsEarlyOrLeavesPartsOutIsNotDone) {
   });
   CHECK(!half.followed.has_value());
   CHECK(half.report.halt->code == Halt::NotCovered);
+  CHECK(half.times.stop && half.times.output_off);
+  CHECK(half.report.ending.at_rest);
   has_status_3(half);
   CHECK(half.report.deviation.covered < 0.7);
 

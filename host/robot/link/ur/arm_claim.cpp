@@ -2,6 +2,7 @@
 #include "host/robot/link/ur/arm_claim.hpp"
 
 #include <chrono>
+#include <utility>
 #include <vector>
 
 #include "common/rtde/client_session.hpp"
@@ -81,10 +82,18 @@ Result<void> ArmClaim::keep(rtde::ClientSession& session) {
   Deaf deaf;
   std::vector<std::uint8_t> bytes;
   auto heard = std::chrono::steady_clock::now();
+  std::uint32_t written = beats_;
   while (!stopping_) {
+    const std::uint32_t beats = beats_;
+    const bool beaten = session.running() && beats != std::exchange(written, beats);
+    if (beaten) {
+      // A register has a sign.
+      const rtde::Value count{static_cast<std::int32_t>(beats & 0x7fffffffU)};
+      session.send_inputs(0, {&count, 1});
+    }
     BITELINE_TRY(stream.write_all(session.outgoing(), k_patience));
     session.outgoing().clear();
-    BITELINE_TRY(stream.read_some(bytes, k_poll));
+    BITELINE_TRY(stream.read_some(bytes, beaten ? k_write : k_poll));
     if (!bytes.empty()) heard = std::chrono::steady_clock::now();
     BITELINE_TRY(session.consume(bytes, deaf));
     if (session.running() && state_ != State::Held) set(State::Held);

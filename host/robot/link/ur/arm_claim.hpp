@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "common/core/result.hpp"
+#include "common/time/clocks.hpp"
 
 namespace biteline::rtde {
 class ClientSession;
@@ -20,7 +21,8 @@ class ClientSession;
 namespace biteline::robot::ur {
 
 /// A controller gives an RTDE input to one client and answers IN_USE to all others (RTDE guide, control
-/// package setup inputs).  This keeps an integer register for as long as it lives, and never writes to it.
+/// package setup inputs).  This keeps an integer register for as long as it lives, and writes to it only what
+/// beat() counts: a program of this service that looks at it ends where the count stands still (script.hpp).
 /// What a dead holder had is free once the controller finds its connection closed.
 ///
 /// Thread: one of its own that comes back after a lost connection; state() from any.
@@ -50,6 +52,14 @@ class ArmClaim {
   /// Nobody else can hold it as this does.
   [[nodiscard]] bool safe() const { return state_ == State::Held || state_ == State::Lacking; }
 
+  /// Somebody watches the arm: the count goes up, and is written within k_write.  Never waits.
+  void beat() { ++beats_; }
+  /// That is counted up; nothing while it is not held.
+  [[nodiscard]] std::optional<int> beat_register() const {
+    return state_ == State::Held ? std::optional{config_.input_register} : std::nullopt;
+  }
+  static constexpr Nanoseconds k_write{20'000'000};
+
  private:
   explicit ArmClaim(const Config& config) : config_{config} {}
   void run();
@@ -58,6 +68,7 @@ class ArmClaim {
 
   Config config_;
   std::atomic<State> state_{State::Away};
+  std::atomic<std::uint32_t> beats_{0};
   std::atomic<bool> stopping_{false};
   std::mutex mutex_;
   std::condition_variable changed_;

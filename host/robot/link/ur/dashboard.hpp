@@ -16,6 +16,8 @@ class Dashboard {
   [[nodiscard]] static Result<Dashboard> connect(const Endpoint& endpoint, Nanoseconds patience);
 
   [[nodiscard]] bool is_open() const { return stream_.is_open(); }
+  /// For a word that must not wait.
+  [[nodiscard]] TcpStream& stream() { return stream_; }
   /// On its way when this returns; the answer is not waited for.
   [[nodiscard]] Result<void> say(const std::string& command);
   /// The next line that is no greeting, of printable characters, at most 200; Errc::Timeout.  Without

@@ -86,12 +86,33 @@ std::string rounded_moves(const char* command, const PlannedPath& path, const pa
   return text;
 }
 
+/// Ends with its program, whether that comes to its end or is stopped.
+std::string dead_man(int beat_register, int digital_output) {
+  std::string text = Line::format("  rtde_set_watchdog(\"input_int_register_%d\", %g, \"stop\")\n",
+                                  beat_register, k_watchdog_hz)
+                         .c_str();
+  const Line look = Line::format("read_input_integer_register(%d)\n", beat_register);
+  text += "  thread biteline_dead_man():\n";
+  text += "    local last = " + std::string{look.view()};
+  text += "    local still = 0\n";
+  text += Line::format("    while still < %d:\n", k_most_still_looks).view();
+  text += Line::format("      sleep(%g)\n", k_look_s).view();
+  text += "      local beat = " + std::string{look.view()};
+  text += "      if beat == last:\n        still = still + 1\n      else:\n        still = 0\n      end\n";
+  text += "      last = beat\n    end\n";
+  if (digital_output >= 0) text += "  " + std::string{output_text(digital_output, false).view()};
+  // The output is set within its frame; the program ends in the next one.
+  text += "    sync()\n    halt\n  end\n";
+  return text + "  biteline_watch = run biteline_dead_man()\n";
+}
+
 }  // namespace
 
-std::string urscript(const path::CheckedPath& checked) {
+std::string urscript(const path::CheckedPath& checked, const std::optional<int>& beat_register) {
   const PlannedPath& path = checked.path();
   const auto& w = path.waypoints;
   std::string text = std::string{"def "} + k_program_name + "():\n";
+  if (beat_register) text += dead_man(*beat_register, path.digital_output);
   text += Line::format("  set_tcp(%s)\n", pose_text(path.T_flange_tcp).c_str()).view();
   if (path.payload) text += payload_text(*path.payload).view();
   // Whatever an earlier program left on, the arm does not travel with it.
@@ -110,6 +131,7 @@ std::string urscript(const path::CheckedPath& checked) {
     at = run.last;
   }
   text += straight_moves(path, at, w.size() - 1);
+  if (beat_register) text += "  kill biteline_watch\n";
   text += "end\n";
   return text;
 }

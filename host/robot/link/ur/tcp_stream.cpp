@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdlib>
 #include <memory>
 #include <utility>
 
@@ -36,7 +37,7 @@ bool wait_for(int socket, short events, Nanoseconds patience) {
 
 }  // namespace
 
-Result<TcpStream> TcpStream::connect(const Endpoint& endpoint, Nanoseconds patience) {
+Result<TcpStream> TcpStream::begin(const Endpoint& endpoint) {
   const std::string peer = endpoint.host + ":" + std::to_string(endpoint.port);
   addrinfo hints{};
   hints.ai_family = AF_UNSPEC;
@@ -56,16 +57,19 @@ Result<TcpStream> TcpStream::connect(const Endpoint& endpoint, Nanoseconds patie
   // States are small and urgent.
   const int on = 1;
   static_cast<void>(setsockopt(stream.socket_, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on));
-  if (::connect(stream.socket_, found->ai_addr, found->ai_addrlen) != 0) {
-    if (errno != EINPROGRESS) return fail_errno(Errc::ConnectFailed, errno, "%.100s", peer.c_str());
-    if (!wait_for(stream.socket_, POLLOUT, patience))
-      return fail(Errc::Timeout, "%.100s: connecting", peer.c_str());
-    int code = 0;
-    socklen_t size = sizeof code;
-    if (getsockopt(stream.socket_, SOL_SOCKET, SO_ERROR, &code, &size) != 0 || code != 0) {
-      return fail_errno(Errc::ConnectFailed, code, "%.100s", peer.c_str());
-    }
-  }
+  if (::connect(stream.socket_, found->ai_addr, found->ai_addrlen) != 0 && errno != EINPROGRESS)
+    return fail_errno(Errc::ConnectFailed, errno, "%.100s", peer.c_str());
+  return stream;
+}
+
+Result<TcpStream> TcpStream::connect(const Endpoint& endpoint, Nanoseconds patience) {
+  BITELINE_ASSIGN(TcpStream stream, begin(endpoint));
+  if (!wait_for(stream.socket_, POLLOUT, patience))
+    return fail(Errc::Timeout, "%.100s: connecting", stream.peer_.c_str());
+  int code = 0;
+  socklen_t size = sizeof code;
+  if (getsockopt(stream.socket_, SOL_SOCKET, SO_ERROR, &code, &size) != 0 || code != 0)
+    return fail_errno(Errc::ConnectFailed, code, "%.100s", stream.peer_.c_str());
   return stream;
 }
 
@@ -106,6 +110,45 @@ Result<void> TcpStream::write_all(std::span<const std::uint8_t> bytes, Nanosecon
 
 Result<void> TcpStream::write_all(std::string_view text, Nanoseconds patience) {
   return write_all(std::span{reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}, patience);
+}
+
+Result<std::size_t> TcpStream::write_now(std::string_view text) {
+  while (true) {
+    const ssize_t sent = send(socket_, text.data(), text.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+    if (sent >= 0) return static_cast<std::size_t>(sent);
+    if (errno == EAGAIN || errno == EWOULDBLOCK) return std::size_t{0};
+    if (errno != EINTR) return fail_errno(Errc::ConnectionLost, errno, "%.100s: sending", peer_.c_str());
+  }
+}
+
+bool TcpStream::lives() {
+  // A controller may send faster than this reads; what is more than so much is read the next time.
+  constexpr int k_most_reads = 64;
+  std::uint8_t dropped[k_read_bytes];
+  for (int i = 0; is_open() && i < k_most_reads; ++i) {
+    const ssize_t got = recv(socket_, dropped, sizeof dropped, MSG_DONTWAIT);
+    if (got > 0 || (got < 0 && errno == EINTR)) continue;
+    if (got < 0 && (errno == EAGAIN || errno == EWOULDBLOCK)) break;
+    close();
+  }
+  return is_open();
+}
+
+Endpoint TcpStream::numeric_peer() const {
+  sockaddr_storage address{};
+  socklen_t size = sizeof address;
+  char host[NI_MAXHOST], port[NI_MAXSERV];
+  if (getpeername(socket_, reinterpret_cast<sockaddr*>(&address), &size) != 0 ||
+      getnameinfo(reinterpret_cast<const sockaddr*>(&address), size, host, sizeof host, port, sizeof port,
+                  NI_NUMERICHOST | NI_NUMERICSERV) != 0)
+    return {};
+  return {.host = host, .port = static_cast<std::uint16_t>(std::strtoul(port, nullptr, 10))};
+}
+
+bool wait_for_room(std::span<const int> sockets, Nanoseconds patience) {
+  std::vector<pollfd> entries;
+  for (const int socket : sockets) entries.push_back({.fd = socket, .events = POLLOUT, .revents = 0});
+  return poll(entries.data(), entries.size(), to_poll_ms(patience)) > 0;
 }
 
 Result<void> TcpStream::read_some(std::vector<std::uint8_t>& bytes, Nanoseconds patience) {

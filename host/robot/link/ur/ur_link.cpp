@@ -6,6 +6,8 @@
 #include <utility>
 
 #include "common/rtde/client_session.hpp"
+#include "host/robot/link/ur/arm_claim.hpp"
+#include "host/robot/link/ur/delivery.hpp"
 #include "host/robot/link/ur/script.hpp"
 #include "host/robot/link/ur/units.hpp"
 
@@ -32,15 +34,16 @@ enum Field : std::size_t {
   SafetyMode,
   RuntimeStatus,
   SpeedScaling,
+  DigitalOutputs,
   PayloadMass,  // from here on only where it is asked for
   PayloadCentre
 };
 std::vector<rtde::Variable> variables(bool with_payload) {
   using enum rtde::FieldType;
-  std::vector<rtde::Variable> all{{"timestamp", Double},         {"actual_q", Vector6d},
-                                  {"actual_TCP_pose", Vector6d}, {"tcp_offset", Vector6d},
-                                  {"robot_mode", Int32},         {"safety_mode", Int32},
-                                  {"runtime_state", Uint32},     {"speed_scaling", Double}};
+  std::vector<rtde::Variable> all{
+      {"timestamp", Double},     {"actual_q", Vector6d},    {"actual_TCP_pose", Vector6d},
+      {"tcp_offset", Vector6d},  {"robot_mode", Int32},     {"safety_mode", Int32},
+      {"runtime_state", Uint32}, {"speed_scaling", Double}, {"actual_digital_output_bits", Uint64}};
   if (with_payload) all.insert(all.end(), {{"payload", Double}, {"payload_cog", Vector3d}});
   return all;
 }
@@ -89,6 +92,7 @@ Result<RobotState> to_state(std::span<const rtde::Value> values) {
   state.program_running = std::get<std::uint32_t>(values[RuntimeStatus]) != k_runtime_stopped;
   const double speed = std::get<double>(values[SpeedScaling]);
   state.speed_ratio = std::isfinite(speed) ? speed : 0;
+  state.digital_outputs = std::get<std::uint64_t>(values[DigitalOutputs]);
   if (values.size() > PayloadCentre) {
     const double mass_kg = std::get<double>(values[PayloadMass]);
     const auto& centre_m = std::get<rtde::Vector3>(values[PayloadCentre]);
@@ -207,6 +211,7 @@ Result<void> UrLink::serve_connection(rtde::ClientSession& session) {
 void UrLink::publish(RobotState state) {
   {
     const std::lock_guard lock{mutex_};
+    state.age_s = age_.take(state);
     state.sequence = state_.sequence + 1;
     ++status_.states;
     if (!std::exchange(status_.connected, true)) ++status_.connections;
@@ -262,6 +267,9 @@ Result<void> UrLink::send(const PermittedPath& permitted) {
   if (!state.powered) return fail(Errc::PeerRefused, "robot: not powered or brakes on");
   if (state.program_running) return fail(Errc::PeerRefused, "robot: another program runs");
   if (!permitted.holds_for(state.q_rad)) return fail(Errc::Refused, "robot: it has moved since the gate");
+  begun_ = dead_man_ = false;
+  stops_ = 0;
+  BITELINE_ASSIGN(const std::optional<int> beat_register, dead_mans_register());
   {
     const std::lock_guard lock{mutex_};
     status_.last_text.clear();
@@ -271,35 +279,52 @@ Result<void> UrLink::send(const PermittedPath& permitted) {
                                                  from_seconds(config_.connect_patience_s)));
   BITELINE_ASSIGN(script_, TcpStream::connect({config_.host, config_.script_port},
                                               from_seconds(config_.connect_patience_s)));
+  dashboard_at_ = dashboard_.stream().numeric_peer();
+  script_at_ = script_.numeric_peer();
   output_ = permitted.path().path().digital_output;
-  asked_ = false;
+  asked_ = doubted_ = false;
   asked_at_ = {};
   remote_.reset();
-  const std::string script = urscript(permitted.path());
+  const std::string program = urscript(permitted.path(), beat_register);
   // The last look: from here on the watch over the arm heeds a stop.
   if (permitted.mark().stopped()) return fail(Errc::Refused, "robot: stopped before the path was sent");
-  return script_.write_all(script, k_send_patience);
+  dead_man_ = beat_register.has_value();
+  begun_ = true;
+  return script_.write_all(program, k_send_patience);
 }
 
+Result<std::optional<int>> UrLink::dead_mans_register() const {
+  if (config_.claim == nullptr || config_.claim->state() == ArmClaim::State::Lacking)
+    return std::optional<int>{};
+  const std::optional<int> held = config_.claim->beat_register();
+  if (!held) return fail(Errc::ConnectionLost, "robot: it cannot be told that the run is watched");
+  // Before its program looks for the first time.
+  config_.claim->beat();
+  return held;
+}
+
+/// Both at once. The output stays on when a program is stopped by a word: a program of its own switches it
+/// off, and replaces whatever still runs should the word not have arrived.
 Result<void> UrLink::stop() {
-  const Result<void> by_word = stop_by_word();
-  // The output stays on when a program is stopped: a program of its own switches it off, and replaces
-  // whatever still runs should the word not have arrived.
-  const Result<void> by_program = stop_by_program();
-  return by_word ? by_program : by_word;
+  const auto known = [](const Endpoint& found, const Endpoint& told) {
+    return found.port != 0 ? found : told;
+  };
+  Delivery words[]{
+      {dashboard_.stream(), known(dashboard_at_, {config_.host, config_.dashboard_port}), "stop\n"},
+      {script_, known(script_at_, {config_.host, config_.script_port}), stop_program(output_)}};
+  // What the first ones came to is not known: their connections may be dead without a word.
+  if (std::exchange(stops_, stops_ + 1) > 0) {
+    for (Delivery& word : words) word.use_fresh();
+  }
+  asked_ = false;
+  remote_.reset();
+  return deliver(words, k_stop_patience);
 }
 
-Result<void> UrLink::stop_by_word() {
-  const bool said = dashboard_.is_open() && dashboard_.say("stop");
-  if (!said) {
-    BITELINE_ASSIGN(dashboard_, Dashboard::connect({config_.host, config_.dashboard_port}, k_stop_patience));
-    BITELINE_TRY(dashboard_.say("stop"));
-  }
-  // Its words differ from version to version: an answer is all that counts.  One to an older question may
-  // come first.
-  if (std::exchange(asked_, false)) BITELINE_TRY(dashboard_.hear(k_stop_patience));
-  BITELINE_TRY(dashboard_.hear(k_stop_patience));
-  return {};
+void UrLink::beat() {
+  // A controller sends its state there all the time, and one that closes is to be known before a stop is.
+  static_cast<void>(script_.lives());
+  if (config_.claim != nullptr) config_.claim->beat();
 }
 
 std::optional<bool> UrLink::remote_control() {
@@ -314,16 +339,16 @@ std::optional<bool> UrLink::remote_control() {
   const Result<std::string> answer = dashboard_.hear(Nanoseconds{0});
   if (!answer && answer.error().code == Errc::Timeout) return remote_;
   asked_ = false;
+  const bool no = answer && *answer == "false";
+  // One "no" may be a mistake: it is asked again at once, and two in a row are believed.
+  if (no && !std::exchange(doubted_, true)) {
+    asked_at_ = {};
+    return remote_;
+  }
+  doubted_ = no;
   remote_.reset();
-  if (answer && (*answer == "true" || *answer == "false")) remote_ = *answer == "true";
+  if (no || (answer && *answer == "true")) remote_ = !no;
   return remote_;
-}
-
-Result<void> UrLink::stop_by_program() {
-  const std::string program = stop_program(output_);
-  if (script_.is_open() && script_.write_all(program, k_stop_patience)) return {};
-  BITELINE_ASSIGN(script_, TcpStream::connect({config_.host, config_.script_port}, k_stop_patience));
-  return script_.write_all(program, k_stop_patience);
 }
 
 void UrLink::start_recording() {

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "host/robot/link/robot_link.hpp"
+#include "host/robot/link/state_age.hpp"
 #include "host/robot/link/ur/dashboard.hpp"
 #include "host/robot/link/ur/tcp_stream.hpp"
 
@@ -18,6 +19,8 @@ class ClientSession;
 }
 
 namespace biteline::robot::ur {
+
+class ArmClaim;
 
 /// Reads states at the controller's own rate on one thread; when the connection breaks it comes back by
 /// itself and sends the recipe again.  A path is turned into URScript and sent only while the newest state
@@ -33,6 +36,8 @@ class UrLink final : public RobotLink {
     double connect_patience_s{2};
     /// Also asks for the payload.  A controller before 3.11 or 5.5.1 refuses the question: open() fails.
     bool ask_payload{false};
+    /// Holds the register of the dead man, and outlives this; nullptr: sent programs have none.
+    ArmClaim* claim{nullptr};
   };
 
   /// Fails when the first connection does or is refused for good, and when no usable state comes in time;
@@ -45,7 +50,11 @@ class UrLink final : public RobotLink {
   [[nodiscard]] Result<RobotState> latest() const override;
   [[nodiscard]] Result<RobotState> wait_newer(std::uint64_t sequence, Nanoseconds patience) const override;
   [[nodiscard]] Result<void> send(const PermittedPath& path) override;
+  [[nodiscard]] bool may_run() const override { return begun_; }
+  /// The program that was sent last ends by itself where nobody watches it (script.hpp).
+  [[nodiscard]] bool has_dead_man() const { return dead_man_; }
   [[nodiscard]] Result<void> stop() override;
+  void beat() override;
   [[nodiscard]] std::optional<bool> remote_control() override;
   void start_recording() override;
   [[nodiscard]] std::vector<RobotState> take_recording() override;
@@ -73,17 +82,22 @@ class UrLink final : public RobotLink {
   bool refused_{false};         ///< asking again would be answered the same
   std::optional<Error> fault_;  ///< why the last connection ended
   std::optional<Error> unusable_;
+  StateAge age_;
   bool recording_{false};
   std::vector<RobotState> recorded_;
 
-  [[nodiscard]] Result<void> stop_by_word();
-  [[nodiscard]] Result<void> stop_by_program();
+  [[nodiscard]] Result<std::optional<int>> dead_mans_register() const;
 
-  // Only send(), stop() and remote_control().
+  // Only send(), stop(), beat() and remote_control().
   TcpStream script_;     ///< kept open: a program that must replace the path's is on its way at once
   Dashboard dashboard_;  ///< kept open for the word that stops the arm
-  int output_{-1};       ///< that the sent path switches on
-  bool asked_{false};    ///< whether it is in remote control, and not answered yet
+  Endpoint script_at_, dashboard_at_;  ///< once they were found: by number
+  bool begun_{false};                  ///< a path's first byte has left
+  bool dead_man_{false};               ///< the sent program has one
+  int stops_{0};                       ///< since then
+  int output_{-1};                     ///< that the sent path switches on
+  bool asked_{false};                  ///< whether it is in remote control, and not answered yet
+  bool doubted_{false};                ///< it said no, once
   HostClock::time_point asked_at_{};
   std::optional<bool> remote_;
   std::thread thread_;

@@ -7,14 +7,18 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <limits>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "common/rtde/controller_session.hpp"
 
 namespace biteline::robot::test {
 namespace {
+
+constexpr double k_beat_s = 0.002;
 
 int listen_somewhere(std::uint16_t& port) {
   const int listener = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
@@ -39,6 +43,7 @@ struct Values : rtde::ValueSource {
     if (name == "actual_TCP_pose") return now.tcp_pose;
     if (name == "actual_q") return now.q;
     if (name == "tcp_offset") return now.tcp_offset;
+    if (name == "actual_digital_output_bits") return now.outputs;
     return rtde::zero_of(*rtde::output_type(name));
   }
   PlayedState now;
@@ -90,7 +95,10 @@ void FakeController::read_script(int client) {
   const std::lock_guard lock{mutex_};
   read_into(script_, client);
   const std::size_t stop = script_.find("def biteline_stop():");
-  if (stop == std::string::npos || !script_.ends_with("end\n")) return;
+  if (stop == std::string::npos || !script_.ends_with("\nend\n")) return;
+  times_.stop_programs = 0;
+  for (std::size_t at = stop; at != std::string::npos; at = script_.find("def biteline_stop():", at + 1))
+    ++times_.stop_programs;
   if (!times_.stop) times_.stop = Clock::now();
   if (!times_.output_off && script_.find("set_standard_digital_out(0, False)", stop) != std::string::npos)
     times_.output_off = Clock::now();
@@ -98,6 +106,7 @@ void FakeController::read_script(int client) {
 
 void FakeController::read_dashboard(int client) {
   const std::lock_guard lock{mutex_};
+  if (refuse_dashboard) return;
   std::size_t at = dashboard_.size();
   read_into(dashboard_, client);
   for (std::size_t end = dashboard_.find('\n', at); end != std::string::npos;
@@ -105,7 +114,10 @@ void FakeController::read_dashboard(int client) {
     const std::string command = dashboard_.substr(at, end - at);
     at = end + 1;
     if (command == "stop" && !times_.stop) times_.stop = Clock::now();
-    if (command == "is in remote control" && !remote_) {
+    if (command == "stop") ++times_.stop_words;
+    if (mute_dashboard) continue;
+    if (command == "is in remote control" && (!remote_ || noes > 0)) {
+      --noes;
       static_cast<void>(send(client, "false\n", 6, MSG_NOSIGNAL));
       continue;
     }
@@ -126,6 +138,7 @@ void FakeController::serve() {
   Values values;
   double time_s = 10, turned_rad = 0, script_at_s = -1;
   Deaf deaf;
+  Clock::time_point cycle_began = Clock::now();
   const auto replace = [](int& client, int listener) {
     if (client >= 0) close(client);
     client = accept(listener, nullptr, nullptr);
@@ -134,6 +147,9 @@ void FakeController::serve() {
     pollfd entries[]{
         {rtde_listener_, POLLIN, 0}, {script_listener_, POLLIN, 0}, {dashboard_listener_, POLLIN, 0}};
     poll(entries, 3, 2);  // the cycle's beat
+    const Clock::time_point cycle_begins = Clock::now();
+    const double real_s =
+        std::chrono::duration<double>(cycle_begins - std::exchange(cycle_began, cycle_begins)).count();
     if ((entries[0].revents & POLLIN) != 0) {
       clients.push_back({.socket = accept(rtde_listener_, nullptr, nullptr),
                          .session = std::make_unique<rtde::ControllerSession>(
@@ -141,7 +157,18 @@ void FakeController::serve() {
       clients.back().session->start();
       ++rtde_connections;
     }
-    if ((entries[1].revents & POLLIN) != 0) replace(script, script_listener_);
+    if (close_script.exchange(false) && script >= 0) {
+      read_script(script);
+      close(std::exchange(script, -1));
+    }
+    if ((entries[1].revents & POLLIN) != 0) {
+      replace(script, script_listener_);
+      ++script_connections;
+    }
+    if (stream_script && script >= 0) {
+      static constexpr char k_state[1100] = {};
+      static_cast<void>(send(script, k_state, sizeof k_state, MSG_NOSIGNAL | MSG_DONTWAIT));
+    }
     if ((entries[2].revents & POLLIN) != 0) replace(dashboard, dashboard_listener_);
     const bool dropped = drop.exchange(false);
     std::erase_if(clients, [&](Client& client) {
@@ -153,7 +180,8 @@ void FakeController::serve() {
       return !there;
     });
     if (!clients.empty()) {
-      time_s += cycle_s_;
+      // Never slower than this machine's clock, unless a test asks for that: its states would look old.
+      time_s += cycle_s_ < k_beat_s ? cycle_s_ : std::max(cycle_s_, real_s);
       if (turning) turned_rad += 0.01;
       values.now = {.time_s = time_s,
                     .q = {turned_rad, 0, 0, 0, 0, 0},
@@ -164,8 +192,9 @@ void FakeController::serve() {
       if (not_a_number) values.now.tcp_pose[0] = std::numeric_limits<double>::quiet_NaN();
       {
         const std::lock_guard lock{mutex_};
-        if (script_at_s < 0 && script_.ends_with("end\n")) script_at_s = time_s;
+        if (script_at_s < 0 && script_.ends_with("\nend\n")) script_at_s = time_s;
         values.now.stopped = times_.stop.has_value();
+        values.now.stop_programs = times_.stop_programs;
       }
       if (script_at_s >= 0) values.now.since_script_s = time_s - script_at_s;
       if (play_) play_(values.now);

@@ -20,11 +20,13 @@ namespace biteline::robot::test {
 struct PlayedState {
   double since_script_s{-1};  ///< by the controller's clock, since a whole script came; < 0: none yet
   bool stopped{false};        ///< it was told to stop
+  int stop_programs{0};       ///< that came so far
   double time_s{0};           ///< the controller's clock
   std::array<double, 6> q{}, tcp_pose{0.5, -0.25, 0.125, 0, 3.0, 0}, tcp_offset{0, 0, 0.15, 0, 0, 0};
   std::int32_t robot_mode{7}, safety_mode{1};
   std::uint32_t runtime_state{1};
   double speed_scaling{1};
+  std::uint64_t outputs{0};  ///< digital, as bits
   bool send{true};
   bool remote{true};  ///< its answer to "is in remote control"
   bool rests{false};  ///< after a stop the arm stands
@@ -56,6 +58,12 @@ class FakeController {
   std::atomic<bool> turning{false};  ///< its first joint, by 0.01 rad each state
   std::atomic<bool> drop{false};     ///< set to drop the RTDE connection once; cleared when done
   std::atomic<int> rtde_connections{0};
+  std::atomic<int> noes{0};                   ///< times that it says it is in local control, though it is not
+  std::atomic<bool> mute_dashboard{false};    ///< takes words, answers none
+  std::atomic<bool> refuse_dashboard{false};  ///< hears nothing that is said there
+  std::atomic<bool> close_script{false};      ///< set to close the script connections once; cleared when done
+  std::atomic<bool> stream_script{false};     ///< a state of some 1100 bytes each cycle on the script port
+  std::atomic<int> script_connections{0};
 
   /// Answers of the dashboard by command; others: "Stopped".  Set before a link is opened.
   std::map<std::string, std::string> answers;
@@ -63,6 +71,7 @@ class FakeController {
   /// When the first lie was sent, the words that stop the arm and its tool came, and the arm stood.
   struct Times {
     std::optional<Clock::time_point> lie, stop, output_off, rest;
+    int stop_words{0}, stop_programs{0};
   };
   [[nodiscard]] Times times() const;
 

@@ -50,6 +50,8 @@ struct RecordingLink final : RobotLink {
     stopped = scripts;
     return {};
   }
+  bool may_run() const override { return scripts > 0; }
+  void beat() override {}
   std::optional<bool> remote_control() override { return true; }
   void start_recording() override {}
   std::vector<RobotState> take_recording() override { return {state()}; }

@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: MIT
+// How runs end: what says "it has ended" may be wrong, a word that stops the arm may be lost, the tool may
+// stay on. Each is a row of tests/integration/faults/ROBOT.md.
+#include <CppUTest/TestHarness.h>
+
+#include <cstdio>
+
+#include "tests/integration/robot/played_run.hpp"
+#include "tests/support/timed_test.hpp"
+
+namespace biteline::robot {
+namespace {
+
+using test::FakeController;
+using test::Played;
+using test::PlayedState;
+using test::seconds_between;
+
+constexpr double k_somewhere = 0.22;  // of the path: on the line
+
+}  // namespace
+
+TEST_GROUP_BASE(FollowEndings,
+                test::PlayedRun){/// The service is told to stop on the line.
+                                 test::Lie told_to_stop(){return [this](PlayedState& state, double share) {
+                                   if (share < k_somewhere || state.stopped) return;
+                                   state.lie = true;
+                                   said.stop();
+                                 };
+}  // namespace biteline::robot
+static void is_stopped(const Played& out, Halt expected) {
+  CHECK(!out.followed.has_value());
+  CHECK(out.report.halt.has_value());
+  STRCMP_EQUAL(report::refusal_row(expected).name, report::refusal_row(out.report.halt->code).name);
+  std::printf("%s\n", to_line(out.followed.error()).c_str());
+  CHECK(out.times.stop_words > 0);
+  CHECK(out.times.output_off.has_value());
+  CHECK(out.report.ending.at_rest);
+  CHECK(out.times.rest.has_value());
+  CHECK(out.returned >= *out.times.rest);
+}
+static void is_done(const Played& out) {
+  CHECK_TEXT(out.followed.has_value(), out.followed ? "" : to_line(out.followed.error()).c_str());
+  CHECK(out.report.ending.at_rest);
+  CHECK(out.report.ending.tool == ToolOutput::Off);
+  LONGS_EQUAL(0, out.times.stop_words);
+}
+}
+;
+
+TEST(FollowEndings, FewStatesThatSayTheProgramEndedAreNotBelieved) {
+  int lies = 0;
+  is_done(play([&](PlayedState& state, double share) {
+    if (share > k_somewhere && ++lies <= 15) state.runtime_state = 1;  // some 30 ms
+  }));
+  CHECK(lies > 15);
+}
+
+TEST(FollowEndings, RuntimeStateThatFlickersAllTheWayIsNotBelieved) {
+  int count = 0;
+  is_done(play([&](PlayedState& state, double share) {
+    if (share > 0 && share < 0.99 && ++count % 3 != 0) state.runtime_state = 1;
+  }));
+}
+
+TEST(FollowEndings, ProgramThatIsSaidToHaveEndedIsStoppedAndSeenAtRest) {
+  for (const double begin : {-0.02, 0.05, k_somewhere, 0.9}) {
+    const Played out = play([&](PlayedState& state, double share) {
+      if (share > begin && state.since_script_s > 0.3) state.runtime_state = 1;
+    });
+    is_stopped(out, Halt::NotCovered);
+  }
+}
+
+TEST(FollowEndings, LineThatTheJudgeFindsLeftOutStopsTheArm) {
+  // The arm comes to the path's end as planned, and the tip was 1.9 mm beside a part of it: within the limit,
+  // so that only the judge's coverage speaks.
+  limits.covered = 1.01;
+  const Played out = play([](PlayedState&, double) {});
+  is_stopped(out, Halt::NotCovered);
+}
+
+ORDINARY_TIMED_TEST(FollowEndings, MuteDashboardDelaysNeitherWord) {
+  prepare = [](FakeController& controller) { controller.mute_dashboard = true; };
+  const Played out = play(told_to_stop());
+  is_stopped(out, Halt::Person);
+  CHECK(seconds_between(*out.times.lie, *out.times.stop) < 0.1);
+  CHECK(seconds_between(*out.times.lie, *out.times.output_off) < 0.1);
+}
+
+ORDINARY_TIMED_TEST(FollowEndings, DashboardThatHearsNothingDoesNotDelayTheStopProgram) {
+  FakeController* there = nullptr;
+  prepare = [&](FakeController& controller) { there = &controller; };
+  const Played out = play([&, told = told_to_stop()](PlayedState& state, double share) {
+    if (share > k_somewhere) there->refuse_dashboard = true;
+    told(state, share);
+  });
+  CHECK(out.report.halt && out.report.halt->code == Halt::Person);
+  CHECK(out.times.output_off.has_value());
+  CHECK(seconds_between(*out.times.lie, *out.times.output_off) < 0.1);
+  CHECK(out.report.ending.at_rest);
+}
+
+ORDINARY_TIMED_TEST(FollowEndings, StopProgramTakesAFreshConnectionWhereTheKeptOneIsClosed) {
+  FakeController* there = nullptr;
+  prepare = [&](FakeController& controller) { there = &controller; };
+  bool closed = false;
+  const Played out = play([&, told = told_to_stop()](PlayedState& state, double share) {
+    if (share > 0.1 && !std::exchange(closed, true)) there->close_script = true;
+    told(state, share);
+  });
+  is_stopped(out, Halt::Person);
+  CHECK(seconds_between(*out.times.lie, *out.times.output_off) < 0.1);
+}
+
+ORDINARY_TIMED_TEST(FollowEndings, StopProgramArrivesWhereTheConnectionIsClosedAtThatMoment) {
+  FakeController* there = nullptr;
+  prepare = [&](FakeController& controller) { there = &controller; };
+  bool closed = false;
+  const Played out = play([&, told = told_to_stop()](PlayedState& state, double share) {
+    if (share >= k_somewhere && !std::exchange(closed, true)) there->close_script = true;
+    told(state, share);
+  });
+  is_stopped(out, Halt::Person);
+}
+
+TEST(FollowEndings, StatesOnTheScriptPortAreReadAway) {
+  FakeController* there = nullptr;
+  prepare = [&](FakeController& controller) {
+    there = &controller;
+    controller.stream_script = true;
+  };
+  const Played out = play(told_to_stop());
+  is_stopped(out, Halt::Person);
+  LONGS_EQUAL(1, out.script_connections);
+}
+
+ORDINARY_TIMED_TEST(FollowEndings, ToolThatStaysOnAfterAStopIsSentOffAgainAndTold) {
+  const Played out = play([told = told_to_stop()](PlayedState& state, double share) {
+    if (share > 0.1) state.outputs = 1;
+    told(state, share);
+  });
+  is_stopped(out, Halt::Person);
+  CHECK(out.report.ending.tool == ToolOutput::On);
+  LONGS_EQUAL(2, out.times.stop_programs);
+  CHECK(out.report.halt->reason.starts_with("THE TOOL IS STILL ON: "));
+  CHECK(to_line(out.followed.error()).find("THE TOOL IS STILL ON: ") != std::string::npos);
+}
+
+ORDINARY_TIMED_TEST(FollowEndings, ToolThatObeysTheSecondWordIsOff) {
+  const Played out = play([told = told_to_stop()](PlayedState& state, double share) {
+    if (share > 0.1 && state.stop_programs < 2) state.outputs = 1;
+    told(state, share);
+  });
+  is_stopped(out, Halt::Person);
+  CHECK(out.report.ending.tool == ToolOutput::Off);
+  LONGS_EQUAL(2, out.report.ending.stops);
+  CHECK(out.report.halt->reason.find("STILL ON") == std::string::npos);
+}
+
+ORDINARY_TIMED_TEST(FollowEndings, ToolThatStaysOnAfterAWholeRunIsNoDoneJob) {
+  const Played out = play([](PlayedState& state, double share) {
+    if (share > 0) state.outputs = 0x81;
+  });
+  is_stopped(out, Halt::ToolOn);
+  CHECK(out.report.ending.tool == ToolOutput::On);
+  LONGS_EQUAL(static_cast<int>(ExitStatus::Connection),
+              static_cast<int>(error_row(out.followed.error().code).exit_status));
+}
+
+ORDINARY_TIMED_TEST(FollowEndings, OutputBitThatFlapsIsNotSeenOff) {
+  int count = 0;
+  const Played out = play([&](PlayedState& state, double share) {
+    if (share > 0) state.outputs = ++count % 2 == 0 ? 1 : 0;
+  });
+  CHECK(out.report.halt && out.report.halt->code == Halt::ToolOn);
+  CHECK(out.report.ending.tool == ToolOutput::On);
+}
+
+TEST(FollowEndings, OtherOutputsAreNoneOfItsBusiness) {
+  is_done(play([](PlayedState& state, double) { state.outputs = 0xFE; }));
+}
+
+ORDINARY_TIMED_TEST(FollowEndings, ArmThatMovesOnIsNotAtRestWhateverItsProgramStateSays) {
+  double slide_m = 0;
+  const Played out = play([&](PlayedState& state, double share) {
+    if (share < k_somewhere) return;
+    state.runtime_state = 1;
+    if (state.stopped) state.tcp_pose[0] += slide_m += 1e-4;
+  });
+  CHECK(out.report.halt && out.report.halt->code == Halt::NotCovered);
+  CHECK(!out.report.ending.at_rest);
+  LONGS_EQUAL(2, out.report.ending.stops);
+  CHECK(out.report.halt->reason.find("EMERGENCY STOP") != std::string::npos);
+}
+
+TEST(FollowEndings, OneNoToRemoteControlIsAskedAgainAndTwoAreBelieved) {
+  prepare = [](FakeController& controller) { controller.noes = 1; };
+  is_done(play([](PlayedState&, double) {}));
+  prepare = [](FakeController& controller) { controller.noes = 2; };
+  is_stopped(play([](PlayedState&, double) {}), Halt::LocalControl);
+}
+
+}  // namespace biteline::robot
