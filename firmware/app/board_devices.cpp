@@ -42,6 +42,9 @@ LiveSettings BoardDevices::present_settings() const {
 }
 
 Result<void> BoardDevices::configure(hal::LineCamera& camera, LiveSettings wanted) {
+  // Before all else: sizes and regions are counted in what it makes of the picture.
+  BITELINE_ASSIGN(camera_state, camera.set_state(model.camera_state));
+  BITELINE_TRY(geometry::expect_state(model.camera_state, camera_state));
   // A camera keeps a gain that was told: a set that says none gets the one from before the first that did.
   if (wanted.camera.gain && !own_gain_) {
     BITELINE_ASSIGN(const hal::CameraLimits before, camera.limits());
@@ -52,6 +55,9 @@ Result<void> BoardDevices::configure(hal::LineCamera& camera, LiveSettings wante
   // Of the region and exposure that it now has; a camera that does not tell is no worse a camera.
   take_limits(camera.limits());
   former_ = taken;
+  // Sizes are chosen by then.
+  BITELINE_ASSIGN(camera_state, camera.state());
+  BITELINE_TRY(geometry::expect_state(model.camera_state, camera_state));
   return {};
 }
 

@@ -237,11 +237,24 @@ Result<void> take_stills(const sensor::Options& options, const sigset_t& signals
   return served;
 }
 
+/// A calibration of before holds for a camera as it is usual, and that is looked at; what it does not tell is
+/// not set, so that what another program set stays and is found.
+void tell_untold_state(const sensor::SourceKind& kind) {
+  if (kind.recording || kind.calibrated.camera_state.told()) return;
+  std::fprintf(
+      stderr,
+      "biteline-sensor: %s tells no camera_state: neither mirror nor turn, binning nor skipped pixels "
+      "are expected\n",
+      kind.head_file.c_str());
+}
+
 /// A set that the camera does not take stops the program before anybody relies on it.  A camera that is not
 /// there yet is told at the first scan.
 Result<void> try_settings(sensor::SourceKind& kind) {
   const Result<void> tried = kind.try_settings();
-  if (tried || error_row(tried.error().code).exit_status != ExitStatus::Connection) return tried;
+  // A camera that another program turned refuses its scans by name, until it is set back: no end for a unit.
+  const bool turned = !tried && tried.error().code == Errc::Refused;
+  if (tried || (!turned && error_row(tried.error().code).exit_status != ExitStatus::Connection)) return tried;
   std::fprintf(stderr, "biteline-sensor: the settings are not tried yet: %s\n",
                to_line(tried.error()).c_str());
   return {};
@@ -257,6 +270,7 @@ Result<void> run(const sensor::Options& options, const sigset_t& signals) {
                 options.source.source.c_str());
   }
   kind->realtime = demand == runtime::RealtimeDemand::Required;
+  tell_untold_state(*kind);
   if (options.source.set) BITELINE_TRY(try_settings(*kind));
   BITELINE_TRY(runtime::prepare_process(demand));
   BITELINE_TRY(runtime::enter_thread(runtime::threads::k_main, demand));

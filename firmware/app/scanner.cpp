@@ -77,10 +77,17 @@ Scanner::~Scanner() {
 Result<void> Scanner::start() {
   BITELINE_TRY(source_.poses->start());
   BITELINE_TRY(source_.camera->start());
+  // What runs may be another mode than what was set up.
+  BITELINE_TRY(look_at_state());
   if (source_.trigger) BITELINE_TRY(source_.trigger->start());
   pose_thread_ = std::thread{[this] { read_poses(); }};
   acquisition_thread_ = std::thread{[this] { acquire(); }};
   return {};
+}
+
+Result<void> Scanner::look_at_state() {
+  BITELINE_ASSIGN(const geometry::CameraState seen, source_.camera->state());
+  return geometry::expect_state(config_.model.camera_state, seen);
 }
 
 void Scanner::stop() {
@@ -132,6 +139,11 @@ void Scanner::acquire() {
         std::this_thread::sleep_for(rest);
       }
     }
+  }
+  // Another program may have turned the picture meanwhile.
+  if (!config_.lossless && !failure() && source_.camera->health().connected) {
+    const Result<void> as_begun = look_at_state();
+    if (!as_begun && as_begun.error().code == Errc::Refused) record_failure(as_begun.error());
   }
   // Taken, and nobody is left to ask for the rate.
   if (rate_wanted_ != nullptr) rate_wanted_->done.store(true, std::memory_order_release);

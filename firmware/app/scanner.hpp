@@ -106,6 +106,8 @@ class Scanner {
           std::unique_ptr<CaptureControl> capture, const hal::Clock& clock, runtime::LaserWatch* laser);
   void acquire();
   void read_poses();
+  /// Errc::Refused: the camera is not in the state of its calibration.
+  [[nodiscard]] Result<void> look_at_state();
   [[nodiscard]] Result<void> take_change();
   /// A turn after the exposure: the camera is asked for one thing between two frames.
   void ask_rate();

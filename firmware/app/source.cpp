@@ -32,6 +32,7 @@ class Recording final : public SourceKind {
  public:
   explicit Recording(std::shared_ptr<const session::Session> session) : session_{std::move(session)} {
     model = session_->sensor;
+    camera_state = model.camera_state;
     recording = true;
     recorded = session_->recorded;
     if (recorded) {

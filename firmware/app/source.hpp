@@ -67,10 +67,11 @@ class SourceKind {
   [[nodiscard]] virtual Result<void> learn_limits() { return {}; }
 
   geometry::SensorModel model;
-  geometry::SensorModel calibrated;  ///< sensor.yaml's own, no set over it; of live devices
-  std::filesystem::path head_file;   ///< it, for messages
-  hal::CameraLimits limits;          ///< of the camera as it was configured last
-  bool limits_known{false};          ///< it has told them
+  geometry::CameraState camera_state;  ///< as the camera told it last; of a recording what it was taken in
+  geometry::SensorModel calibrated;    ///< sensor.yaml's own, no set over it; of live devices
+  std::filesystem::path head_file;     ///< it, for messages
+  hal::CameraLimits limits;            ///< of the camera as it was configured last
+  bool limits_known{false};            ///< it has told them
   Capture capture;  ///< checked against the model; of a live recording what it was taken with
   std::optional<settings::SettingsSet> set;         ///< what `--settings` named
   settings::SettingsSet in_use;                     ///< of the camera, since open(); empty of a recording

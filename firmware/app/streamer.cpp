@@ -68,7 +68,15 @@ wire::SensorHello identity_of(const StreamerConfig& config, const SourceKind& ki
   hello.lossless = kind.recording;
   hello.simulated = kind.simulated;
   hello.model = kind.model;
+  hello.camera_state = kind.camera_state;
   return hello;
+}
+
+/// What a recording says of its head: its pictures were taken in the state that the camera told.
+geometry::SensorModel as_seen(const SourceKind& kind) {
+  geometry::SensorModel model = kind.model;
+  model.camera_state = geometry::put_over(model.camera_state, kind.camera_state);
+  return model;
 }
 
 wire::ClockState clock_state(const char* name, const hal::ClockHealth& clock) {
@@ -144,6 +152,7 @@ Result<void> Streamer::start_scan() {
   scanner_ = std::move(scanner);
   server_.set_model(kind_.model);
   server_.set_test_pattern(test_pattern_);
+  server_.set_camera_state(kind_.camera_state);
   server_.begin_scan(random_scan_id(), scan_name, frames_expected);
   if (recording_) recorders_.back()->keep_message(server_.hello_message());
   failure_.reset();
@@ -169,7 +178,7 @@ Result<void> Streamer::begin_recording() {
       record::SessionRecorder::begin(
           {.path = record::free_name(config_.record_asked ? record::waiting_name(*config_.record)
                                                           : *config_.record),
-           .model = kind_.model,
+           .model = as_seen(kind_),
            .facts = {.sensor = config_.name,
                      .version = config_.version,
                      .peak_mode = stripe::name_of(stripe::k_peak_modes, peaks.mode),

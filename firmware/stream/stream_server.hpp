@@ -57,6 +57,7 @@ class StreamServer {
   /// From the next hello on.
   void set_model(const geometry::SensorModel& model) { identity_.model = model; }
   void set_test_pattern(bool on) { identity_.test_pattern = on; }
+  void set_camera_state(const geometry::CameraState& state) { identity_.camera_state = state; }
 
   /// A new scan: the store begins anew.  Messages of the old one that no host has are counted as lost.
   void begin_scan(std::uint64_t scan_id, const std::string& scan_name, std::uint64_t frames_expected);

@@ -10,6 +10,12 @@ Result<std::shared_ptr<const session::Session>> open_recording(
   BITELINE_ASSIGN(session::Session session, session::read_session(folder));
   if (sensor_file) {
     BITELINE_ASSIGN(const geometry::SensorModel calibrated, config::read_sensor_yaml(*sensor_file));
+    // The pictures are as the camera gave them: another state's calibration does not fit them.
+    if (const Result<void> fits =
+            geometry::expect_state(calibrated.camera_state, session.sensor.camera_state);
+        !fits) {
+      return fail(Errc::Refused, "%.80s: %.160s", folder.c_str(), fits.error().where.c_str());
+    }
     session.sensor.camera = calibrated.camera;
     session.sensor.laser_plane = calibrated.laser_plane;
     session.sensor.T_flange_cam = calibrated.T_flange_cam;

@@ -104,6 +104,10 @@ ReplayCamera::~ReplayCamera() {
   state_->stop_decoders();
 }
 
+Result<geometry::CameraState> ReplayCamera::state() {
+  return state_->session->sensor.camera_state;
+}
+
 Result<CameraLimits> ReplayCamera::limits() {
   const geometry::SensorModel& sensor = state_->session->sensor;
   const Nanoseconds exposure = sensor.exposure.value_or(Nanoseconds{0});

@@ -24,6 +24,8 @@ class ReplayCamera final : public LineCamera {
   ~ReplayCamera() override;
 
   [[nodiscard]] Result<CameraLimits> limits() override;
+  /// As it was recorded.
+  [[nodiscard]] Result<geometry::CameraState> state() override;
   [[nodiscard]] Result<CameraSettings> configure(const CameraSettings& wanted) override;
   [[nodiscard]] Result<void> start() override;
   [[nodiscard]] Result<FrameView> next_frame(Nanoseconds timeout) override;

@@ -76,6 +76,9 @@ Result<RecordedScan> read_recorded_scan(const std::filesystem::path& file, const
                 "%s: the sensor showed its test pattern, and no shoe; scan with camera.test_pattern off",
                 file.c_str());
   }
+  const wire::SensorHello& sensor = intake.scan.run.sensor;
+  if (const auto state = geometry::expect_state(sensor.model.camera_state, sensor.camera_state); !state)
+    return fail(Errc::Refused, "%.80s: %.160s", file.c_str(), state.error().where.c_str());
   intake.scan.lacks = what_lacks(intake, end);
   SessionRun& run = intake.scan.run;
   if (intake.end) {

@@ -10,6 +10,9 @@ std::span<const report::RefusalRow<Refused>> refusal_table(Refused) {
       report::RefusalRow<Refused>{Refused::ScanNotComplete, "scan_not_complete", "scan the shoe again"},
       report::RefusalRow<Refused>{Refused::TestPattern, "test_pattern",
                                   "turn camera.test_pattern off, then scan the shoe"},
+      report::RefusalRow<Refused>{Refused::CameraState, "camera_state",
+                                  "set the camera as the reason says and switch off what sets it otherwise, "
+                                  "or calibrate it as it is"},
       report::RefusalRow<Refused>{
           Refused::ScanSetAside, "scan_set_aside",
           "scan the shoe again, and keep this folder: its recording shows the defect"},

@@ -123,6 +123,9 @@ ScanOutcome ScanIntake::finish() {
   outcome.messages_lost = messages_lost_;
   if (sensor_.test_pattern) {
     outcome.failure = fail(Errc::WrongState, "the sensor shows its test pattern, and no shoe").value();
+  } else if (const auto state = geometry::expect_state(sensor_.model.camera_state, sensor_.camera_state);
+             !state) {
+    outcome.failure = state.error();
   } else if (!ended_) {
     outcome.failure = fail(Errc::ConnectionLost, "the sensor no longer has the scan's end").value();
   } else if (end_.errc != 0) {

@@ -27,8 +27,11 @@ double seconds_since(steady_clock::time_point begin) {
 /// The sensor reads the same files again; read here first, so that a fault arrives as itself and not as a
 /// dead child.
 Result<void> check_input(const SessionRunOptions& options) {
-  BITELINE_TRY(session::read_session(options.session));
-  if (options.sensor_file) BITELINE_TRY(config::read_sensor_yaml(*options.sensor_file));
+  BITELINE_ASSIGN(const session::Session session, session::read_session(options.session));
+  if (options.sensor_file) {
+    BITELINE_ASSIGN(const geometry::SensorModel given, config::read_sensor_yaml(*options.sensor_file));
+    BITELINE_TRY(geometry::expect_state(given.camera_state, session.sensor.camera_state));
+  }
   return {};
 }
 

@@ -53,6 +53,8 @@ Result<LineStep> keep_unfinished(const fs::path& folder, const intake::ScanOutco
                                                std::to_string(scan.counts.profiles) + " profiles are kept"}
       : scan.sensor.test_pattern
           ? intake::Refusal{.code = intake::Refused::TestPattern, .reason = scan.failure->where.c_str()}
+      : scan.failure->code == Errc::Refused
+          ? intake::Refusal{.code = intake::Refused::CameraState, .reason = scan.failure->where.c_str()}
           : intake::Refusal{.code = intake::Refused::ScanNotComplete,
                             .reason = "the scan is not complete after " +
                                       std::to_string(scan.counts.profiles) +

@@ -142,6 +142,16 @@ void PictureCell::unplug_camera() {
   gone = std::move(camera_);
 }
 
+void PictureCell::leave_in_camera(std::uint32_t address, std::uint32_t value) {
+  const std::lock_guard lock{camera_mutex_};
+  camera_->leave(address, value);
+}
+
+void PictureCell::lock_camera_state() {
+  const std::lock_guard lock{camera_mutex_};
+  camera_->lock_state();
+}
+
 void PictureCell::plug_camera() {
   if (!open_camera()) std::abort();  // the port was this process's own a moment ago
 }
@@ -157,7 +167,9 @@ std::string PictureCell::board_file_text() const {
 }
 
 std::string PictureCell::sensor_file_text() const {
-  return config::sensor_yaml_text(head_, "made for a test");
+  geometry::SensorModel told = head_;
+  told.camera_state = config_.calibrated;
+  return config::sensor_yaml_text(told, "made for a test");
 }
 
 void PictureCell::paint(const sim::GvExposure& exposure, std::span<std::uint8_t> pixels) const {

@@ -30,6 +30,7 @@ struct PictureCellConfig {
   double lossy_line_ratio{0};   ///< by a line before the camera, which can
   /// Different ones, then again from the first.  A prime, so that no loss of a round number hides.
   std::uint32_t pictures{13};
+  geometry::CameraState calibrated{};  ///< what sensor.yaml tells of the camera
   /// CANopen node of an encoder, which is the pose then; 0: none.
   std::uint8_t encoder_node{0};
 };
@@ -55,6 +56,9 @@ class PictureCell {
 
   PictureCellFaults faults;
   void unplug_camera();
+  /// Of the camera, as another program would: a register of hal/sim/gvcamera, and no more by this sensor.
+  void leave_in_camera(std::uint32_t address, std::uint32_t value);
+  void lock_camera_state();
   void plug_camera();
   void set_door(bool closed) { bus_->drive(sim::Line::Interlock, closed, now()); }
   void set_scan_active(bool active) { bus_->drive(sim::Line::ScanActive, active, now()); }

@@ -133,6 +133,38 @@ TEST(Replay, PosesComeInOrderOnBothClocks) {
   CHECK(sut.health().state == PoseState::Finished);
 }
 
+TEST(Replay, TellsTheStateThatWasRecorded) {
+  CHECK_FALSE(camera()->state()->told());
+  geometry::SensorModel recorded = test::made_sensor(made);
+  recorded.camera_state = geometry::plain_state();
+  recorded.camera_state[geometry::StateKey::MirrorX] = 1;
+  std::ofstream{folder.path() / "cam0/sensor.yaml"} << config::sensor_yaml_text(recorded, "made");
+  const auto opened = open_recording(folder.path(), {});
+  SUCCEEDS(opened);
+  const auto sut = ReplayCamera::open(*opened, {});
+  SUCCEEDS(sut);
+  CHECK(recorded.camera_state == *(*sut)->state());
+  // What is told to it changes no picture.
+  CHECK(recorded.camera_state == *(*sut)->set_state(geometry::plain_state()));
+}
+
+TEST(Replay, AHeadThatWasCalibratedInAnotherStateIsRefusedByName) {
+  geometry::SensorModel recorded = test::made_sensor(made), other = recorded;
+  recorded.camera_state = geometry::plain_state();
+  std::ofstream{folder.path() / "cam0/sensor.yaml"} << config::sensor_yaml_text(recorded, "made");
+  other.camera_state = geometry::plain_state();
+  other.camera_state[geometry::StateKey::MirrorY] = 1;
+  auto file = folder.write("other.yaml", config::sensor_yaml_text(other, "other"));
+  FAILS_NAMING(Errc::Refused, "no longer mirrors top to bottom", open_recording(folder.path(), file));
+  // One that does not tell is taken for the usual, and a recording that does not tell for anything.
+  other.camera_state = {};
+  file = folder.write("other.yaml", config::sensor_yaml_text(other, "other"));
+  SUCCEEDS(open_recording(folder.path(), file));
+  recorded.camera_state[geometry::StateKey::BinningX] = 2;
+  std::ofstream{folder.path() / "cam0/sensor.yaml"} << config::sensor_yaml_text(recorded, "made");
+  FAILS_NAMING(Errc::Refused, "binning along the rows is 2", open_recording(folder.path(), file));
+}
+
 TEST(Replay, OtherHeadReplacesOnlyWhatBelongsToAHead) {
   geometry::SensorModel other = test::made_sensor(made);
   other.camera.fu_px = 1234;

@@ -204,6 +204,42 @@ TEST(ScanIntake, TestPatternIsNoScanThoughItIsWhole) {
   FAILS_NAMING(Errc::BadValue, "test pattern", read_recorded_scan(folder.path() / "scan.btln", {}));
 }
 
+TEST(ScanIntake, AScanWhoseCameraWasNotAsCalibratedIsRefusedByName) {
+  using geometry::StateKey;
+  for (const StateKey key : {StateKey::MirrorX, StateKey::MirrorY, StateKey::Turn, StateKey::BinningY}) {
+    test::TemporaryFolder place;
+    Hello hello = made_hello();
+    hello.sensor.model.camera_state = geometry::plain_state();
+    hello.sensor.camera_state = geometry::plain_state();
+    hello.sensor.camera_state[key] = key == StateKey::Turn ? 180 : key == StateKey::BinningY ? 2 : 1;
+    const char* const words = geometry::state_table()[static_cast<std::size_t>(key)].words;
+    {
+      Result<ScanIntake> sut = ScanIntake::begin(place.path(), hello, packet_of(hello.sensor));
+      SUCCEEDS(sut);
+      for (std::uint64_t i = 0; i < 3; ++i) take_profile(*sut, i);
+      take_end(*sut, 3);
+      const ScanOutcome outcome = sut->finish();
+      CHECK(outcome.failure.has_value());
+      CHECK(outcome.failure->code == Errc::Refused);
+      STRCMP_CONTAINS(words, outcome.failure->where.c_str());
+    }
+    Result<ScanIntake> again = ScanIntake::recover(place.path());
+    SUCCEEDS(again);
+    STRCMP_CONTAINS(words, again->finish().failure->where.c_str());
+    FAILS_NAMING(Errc::Refused, words, read_recorded_scan(place.path() / "scan.btln", {}));
+  }
+}
+
+TEST(ScanIntake, AScanThatTellsNoStateIsTakenAsBefore) {
+  Hello hello = made_hello();
+  hello.sensor.model.camera_state = geometry::plain_state();
+  Result<ScanIntake> sut = ScanIntake::begin(folder.path(), hello, packet_of(hello.sensor));
+  SUCCEEDS(sut);
+  take_end(*sut, 0);
+  const auto failure = sut->finish().failure;
+  CHECK(!failure || failure->code != Errc::Refused);
+}
+
 TEST(ScanIntake, FullDiskIsToldAndLeavesAWholeFile) {
   ScanIntake sut = begin();
   take_profile(sut, 0);
