@@ -11,6 +11,8 @@
 #include <optional>
 #include <sstream>
 
+#include "common/config/camera_state_yaml.hpp"
+
 namespace biteline::sensor {
 namespace {
 
@@ -57,17 +59,26 @@ std::string rest_text(const Rest& rest) {
   return text;
 }
 
+/// As the block of sensor.yaml, with its lines in one text of JSON.
+std::string state_answer(const geometry::CameraState& state) {
+  std::string text;
+  for (const char c : config::camera_state_text(state, ""))
+    text += c == '\n' ? std::string{"\\n"} : c == '"' ? std::string{"\\\""} : std::string{c};
+  return "{\"ok\":true,\"state\":\"" + text + "\"}";
+}
+
 Result<std::string> obey(StillCamera& camera, const std::string& line, const std::atomic<bool>& stop) {
   std::istringstream words{line};
   std::string order, light, file;
   double exposure_us = 0;
   words >> order;
   if (order == "pose") return rest_text(camera.rest()) + "}";
+  if (order == "state") return state_answer(camera.state());
   words >> light >> exposure_us;
   std::getline(words >> std::ws, file);
   if (order != "take" || (light != "dark" && light != "laser") || !k_exposure_us.holds(exposure_us) ||
       file.empty())
-    return fail(Errc::InvalidArgument, "'pose' or 'take dark|laser US FILE' expected");
+    return fail(Errc::InvalidArgument, "'pose', 'state' or 'take dark|laser US FILE' expected");
   BITELINE_ASSIGN(const Still still,
                   camera.take(Nanoseconds{std::llround(1e3 * exposure_us)}, light == "laser", stop));
   BITELINE_TRY(image::write_png(file, still.picture));
@@ -114,6 +125,9 @@ Result<std::unique_ptr<StillCamera>> StillCamera::open(const BoardDevices& devic
                                                        runtime::LaserWatch* laser, const Config& config) {
   std::unique_ptr<StillCamera> stills{new StillCamera{clock, laser}};
   BITELINE_ASSIGN(stills->camera_, devices.open_camera());
+  // A new calibration is made in the usual state, not in what another program left; sensor.yaml then tells
+  // it.
+  BITELINE_TRY(stills->camera_->set_state(geometry::plain_state()));
   BITELINE_ASSIGN(const hal::CameraLimits limits, stills->camera_->limits());
   stills->fixed_exposure_ = limits.exposure_max == Nanoseconds{0};
   const bool triggered = devices.board().camera.hardware_trigger;
@@ -124,6 +138,7 @@ Result<std::unique_ptr<StillCamera>> StillCamera::open(const BoardDevices& devic
                        .rate_hz = config.rate_hz,
                        .trigger = triggered ? hal::Trigger::Hardware : hal::Trigger::FreeRun}));
   stills->exposure_ = taken.exposure;
+  BITELINE_ASSIGN(stills->state_, stills->camera_->state());
   BITELINE_ASSIGN(stills->trigger_, devices.open_trigger());
   if (stills->trigger_) {
     const Nanoseconds period{static_cast<std::int64_t>(1e9 / config.rate_hz)};

@@ -53,6 +53,8 @@ class StillCamera {
   /// Errc::Timeout: no frame, or no whole one for 3 s.  Errc::WrongState: `stop` was set meanwhile.
   [[nodiscard]] Result<Still> take(Nanoseconds exposure, bool lit, const std::atomic<bool>& stop);
   [[nodiscard]] Rest rest() const;
+  /// As the camera tells it: set to plain_state() where it takes that.
+  [[nodiscard]] const geometry::CameraState& state() const { return state_; }
 
  private:
   StillCamera(const hal::Clock& clock, runtime::LaserWatch* laser) : clock_{clock}, laser_{laser} {}
@@ -66,6 +68,7 @@ class StillCamera {
   std::unique_ptr<hal::LineCamera> camera_;
   std::unique_ptr<hal::PoseSource> poses_;  ///< null: it did not open
   std::unique_ptr<hal::PwmOut> trigger_;
+  geometry::CameraState state_;
   Nanoseconds exposure_{0};
   bool fixed_exposure_{false};  ///< the driver tells no range of it
   std::thread pose_thread_;

@@ -74,6 +74,20 @@ TEST_GROUP(CalibrateTool) {
   }
 };
 
+TEST(CalibrateTool, TheStateOfThePicturesIsTheHeadsAndTwoStatesAreRefusedByName) {
+  write_target("");
+  write_views(6);
+  folder.write("camera/camera_state.yaml", "mirror_y: true\nbinning_x: 1\npixel_format: \"GREY\"\n");
+  LONGS_EQUAL(0, run({"calibrate", "camera", folder.path().string(), "--out", out().string()}, ""));
+  std::ifstream in(out() / "sensor.yaml");
+  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  STRCMP_CONTAINS("camera_state:", text.c_str());
+  STRCMP_CONTAINS("  mirror_y: true\n", text.c_str());
+  folder.write("handeye/camera_state.yaml", "mirror_y: false\n");
+  LONGS_EQUAL(3, run({"calibrate", "camera", folder.path().string(), "--out", out().string()},
+                     "two states of the camera: mirror_y 1 against 0"));
+}
+
 TEST(CalibrateTool, CameraAloneGivesItsLinesAndNoMadeUpOnes) {
   write_target("");
   write_views(6);

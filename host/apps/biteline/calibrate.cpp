@@ -10,6 +10,7 @@
 #include "host/apps/biteline/calibrate_page.hpp"
 #include "host/apps/biteline/command.hpp"
 #include "host/calibration/clock/clock_offset.hpp"
+#include "host/calibration/head/camera_state.hpp"
 #include "host/calibration/head/comparison.hpp"
 #include "host/calibration/head/head_calibration.hpp"
 #include "host/calibration/head/head_pictures.hpp"
@@ -217,6 +218,17 @@ std::string words_of(const calibration::Verdict& verdict) {
   return words + retake_words(verdict);
 }
 
+/// In which the pictures were taken; what is taken from another sensor.yaml must have been made in the same.
+Result<geometry::CameraState> state_of(const CalibrateOptions& options,
+                                       const std::optional<geometry::SensorModel>& known) {
+  BITELINE_ASSIGN(const geometry::CameraState pictures, calibration::read_folder_state(options.calib));
+  for (const fs::path& scan : {options.calib / "clock", options.refine})
+    if (!scan.empty()) BITELINE_TRY(calibration::expect_scan_state(scan, pictures));
+  if (!known) return pictures;
+  BITELINE_TRY(geometry::expect_state(known->camera_state, pictures));
+  return geometry::put_over(known->camera_state, pictures);
+}
+
 Result<ExitStatus> calibrate(const CalibrateOptions& options, const GlobalOptions& global) {
   report::Report report;
   BITELINE_ASSIGN(const std::set<std::string> parts, parts_of(options));
@@ -233,6 +245,7 @@ Result<ExitStatus> calibrate(const CalibrateOptions& options, const GlobalOption
                            "stages/rings_camera.png", "stages/rings_laser.png", "stages/stripe.png",
                            "stages/rings_handeye.png", "stages/left_out.png"})
     fs::remove(options.out / name, ignored);
+  BITELINE_ASSIGN(const geometry::CameraState state, state_of(options, known));
 
   const calibration::HeadCalibration result =
       report.timed("calibrate", [&] { return calibration::calibrate_head(input); });
@@ -270,6 +283,11 @@ Result<ExitStatus> calibrate(const CalibrateOptions& options, const GlobalOption
                      .offset_v_px = 0,
                      .width_px = result.camera->size.width_px,
                      .height_px = result.camera->size.height_px};
+  sensor.camera_state = state;
+  if (!state.told() && !global.quiet)
+    std::fprintf(stderr,
+                 "biteline: the pictures do not tell the camera's state (no camera_state.yaml beside them): "
+                 "sensor.yaml tells none, and the sensor expects neither mirror, turn nor binning\n");
   if (result.laser) sensor.laser_plane = result.fit.state.plane;
   if (result.hand_eye) sensor.T_flange_cam = result.fit.state.T_flange_cam;
   const auto refused_by = [](const Error& error) {

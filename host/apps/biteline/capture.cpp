@@ -12,12 +12,14 @@
 #include <thread>
 #include <utility>
 
+#include "common/config/camera_state_yaml.hpp"
 #include "common/options/command.hpp"
 #include "common/session/session.hpp"
 #include "common/system/file.hpp"
 #include "host/apps/biteline/capture_check.hpp"
 #include "host/apps/biteline/capture_scan.hpp"
 #include "host/apps/biteline/command.hpp"
+#include "host/calibration/head/camera_state.hpp"
 #include "host/calibration/head/folder.hpp"
 #include "host/calibration/head/verdict.hpp"
 #include "host/calibration/laser/stripe.hpp"
@@ -111,6 +113,13 @@ class Session {
   Result<void> run() {
     folder_ = options_.calib / folder_of(part_);
     BITELINE_TRY(report::prepare_folder(folder_));
+    BITELINE_ASSIGN(const geometry::CameraState state, camera_.state());
+    BITELINE_TRY(calibration::expect_folder_state(options_.calib, state));
+    if (state.told()) {
+      BITELINE_TRY(report::write_file_atomically(
+          folder_ / config::k_camera_state_file,
+          "# What the camera did to these pictures.\n" + config::camera_state_text(state, "")));
+    }
     BITELINE_TRY(take_up());
     const int wanted = options_.pictures > 0 ? options_.pictures : usual_count(part_);
     while (kept_ < wanted) {

@@ -4,6 +4,7 @@
 #include <map>
 #include <set>
 
+#include "common/config/camera_state_yaml.hpp"
 #include "common/session/session.hpp"
 #include "host/calibration/rings/picture.hpp"
 
@@ -18,7 +19,8 @@ using Numbers = std::map<std::int64_t, std::string>;
 /// A folder of pictures "12.png" or "12_rings.png", and what else lies in it.
 class Folder {
  public:
-  Folder(const fs::path& calib, const char* name) : path_{calib / name}, name_{name} {}
+  Folder(const fs::path& calib, const char* name)
+      : path_{calib / name}, name_{name}, known_{config::k_camera_state_file} {}
 
   /// The numbers of the pictures with this ending.
   Numbers take(const std::string& ending) {

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "common/config/camera_state_yaml.hpp"
 #include "common/core/numbers.hpp"
 #include "host/intake/sensor_process.hpp"
 
@@ -71,6 +72,20 @@ Result<ArmRest> StillCamera::ask(const std::string& order) {
   BITELINE_TRY(sensor_.write_line(order));
   BITELINE_ASSIGN(const std::string line, sensor_.next_line(k_patience));
   return parse(line);
+}
+
+Result<geometry::CameraState> StillCamera::state() {
+  BITELINE_TRY(sensor_.write_line("state"));
+  BITELINE_ASSIGN(const std::string line, sensor_.next_line(k_patience));
+  const nlohmann::json json = nlohmann::json::parse(line, nullptr, false);
+  if (!json.is_object() || !json.contains("state") || !json["state"].is_string())
+    return fail(Errc::ProtocolError, "biteline-sensor --stills said '%.80s'", line.c_str());
+  const std::string text = json["state"].get<std::string>();
+  if (text.empty()) return geometry::CameraState{};
+  BITELINE_ASSIGN(config::YamlReader reader, config::YamlReader::parse(text, "the camera's state"));
+  geometry::CameraState state = config::read_camera_state(reader);
+  BITELINE_TRY(reader.finish());
+  return state;
 }
 
 Result<ArmRest> StillCamera::rest() {

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "common/core/result.hpp"
+#include "common/geometry/camera_state.hpp"
 #include "common/geometry/se3.hpp"
 #include "host/intake/child_process.hpp"
 
@@ -32,6 +33,8 @@ class StillCamera {
   [[nodiscard]] static Result<StillCamera> start(const std::filesystem::path& board, const std::string& rt);
 
   [[nodiscard]] Result<ArmRest> rest();
+  /// What the camera does to its pictures, for as long as this lives.
+  [[nodiscard]] Result<geometry::CameraState> state();
   /// The picture is written to `file`.  Errc::DeviceError with the sensor's words when there is none.
   [[nodiscard]] Result<ArmRest> take(const StillOrder& order, const std::filesystem::path& file);
 
