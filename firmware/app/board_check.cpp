@@ -8,8 +8,10 @@
 #include <thread>
 #include <utility>
 
+#include "common/config/sensor_yaml.hpp"
 #include "firmware/app/backends/backend.hpp"
 #include "firmware/app/board_devices.hpp"
+#include "firmware/app/camera_look.hpp"
 #include "firmware/runtime/realtime.hpp"
 #include "hal/linux/posix/descriptor.hpp"
 #include "hal/linux/ptp/phc.hpp"
@@ -44,7 +46,56 @@ Result<void> try_realtime() {
   return entered;
 }
 
-std::vector<DeviceFinding> examine(const BoardDevices& devices) {
+/// A camera's own words tell the step where its cause is known; this is for the others.
+const char* camera_step(const Error& error, bool is_gige) {
+  if (error.code == Errc::Refused)
+    return "switch off what sets the camera otherwise (power off and on clears it), or calibrate it as it is";
+  if (is_gige) {
+    return error.code == Errc::Timeout
+               ? "check the trigger's wire, and let one network card carry packets as large as packet_bytes"
+               : "check the camera's cable, power and address, and that its port has an address in the same "
+                 "net";
+  }
+  switch (error.code) {
+    case Errc::NotSupported:
+      return "a monochrome sensor, or a driver that gives its grey pictures in one plane: v4l2-ctl "
+             "--list-formats-ext";
+    case Errc::NoRights:
+      return "join the group video";
+    case Errc::DeviceError:
+      return "mend what it says, then run this again";
+    case Errc::Timeout:
+      return "check the trigger's wire and the camera's cable";
+    case Errc::BadValue:
+      return "v4l2-ctl --list-formats-ext tells its sizes; mend region or exposure, or the size that was set";
+    default:
+      return "load the board's overlay and check the camera's cable; join the group video";
+  }
+}
+
+DeviceFinding camera_finding(const BoardDevices& devices, const std::optional<geometry::SensorModel>& head) {
+  const hal::BoardCamera& camera = devices.board().camera;
+  const bool is_gige = camera.kind == hal::BoardCamera::Kind::GigE;
+  DeviceFinding found{.what = "camera (" + (is_gige ? camera.address : camera.device) + ")",
+                      .ready = false,
+                      .seen = {},
+                      .step = {}};
+  // Held dark meanwhile, whatever hangs on the camera's strobe.
+  const std::optional<hal::BoardLaser>& laser = devices.board().laser;
+  const Result<std::unique_ptr<hal::GpioOut>> dark =
+      laser ? open_output(laser->enable) : Result<std::unique_ptr<hal::GpioOut>>{};
+  if (const Result<std::string> seen = look_through_camera(devices, head)) {
+    found.ready = true;
+    found.seen = "answers: " + *seen;
+  } else {
+    found.seen = to_line(seen.error());
+    found.step = camera_step(seen.error(), is_gige);
+  }
+  return found;
+}
+
+std::vector<DeviceFinding> examine(const BoardDevices& devices,
+                                   const std::optional<geometry::SensorModel>& head) {
   const hal::Board& board = devices.board();
   constexpr const char* k_line_step =
       "load the board's overlay, stop biteline-sensor, and compare chip and line with gpioinfo";
@@ -58,12 +109,7 @@ std::vector<DeviceFinding> examine(const BoardDevices& devices) {
   found.push_back(
       finding("real-time rights and locked memory", try_realtime(),
               "start it by its systemd unit, or set LimitRTPRIO and LimitMEMLOCK; --rt=ignore runs without"));
-  const bool is_gige = board.camera.kind == hal::BoardCamera::Kind::GigE;
-  found.push_back(finding(
-      "camera (" + (is_gige ? board.camera.address : board.camera.device) + ")", devices.open_camera(),
-      is_gige
-          ? "check the camera's cable, power and address, and that its port has an address in the same net"
-          : "load the board's overlay and check the camera's cable; join the group video"));
+  found.push_back(camera_finding(devices, head));
   if (board.trigger.kind != hal::BoardTrigger::Kind::None) {
     found.push_back(finding("trigger (" + board.trigger.chip + board.trigger.line.chip + ")",
                             devices.open_trigger(),
@@ -121,12 +167,18 @@ std::vector<DeviceFinding> examine(const BoardDevices& devices) {
 Result<std::vector<DeviceFinding>> check_board(const std::filesystem::path& board_file,
                                                const SourceOptions& options) {
   BITELINE_ASSIGN(hal::Board board, hal::read_board_yaml(board_file));
-  std::vector<DeviceFinding> found = examine(BoardDevices{std::move(board), {}});
+  std::optional<geometry::SensorModel> head;
+  if (options.sensor_file) {
+    BITELINE_ASSIGN(head, config::read_sensor_yaml(*options.sensor_file));
+  }
+  std::vector<DeviceFinding> found = examine(BoardDevices{std::move(board), {}}, head);
   if (!options.set) return found;
   const std::string name = "settings (" + options.set->file + ")";
   constexpr const char* k_step = "mend that line, or take another set (biteline settings)";
   BITELINE_ASSIGN(const std::unique_ptr<SourceKind> kind, choose_source(options));
-  found.push_back(finding(name, kind->try_settings(), k_step));
+  const Result<void> tried = kind->try_settings();
+  const bool turned = !tried && tried.error().code == Errc::Refused;
+  found.push_back(finding(name, tried, turned ? camera_step(tried.error(), false) : k_step));
   if (found.back().ready) found.back().seen = "taken by the camera";
   return found;
 }

@@ -20,8 +20,9 @@ struct DeviceFinding {
 };
 
 /// Every device that the board names, and the rights that the threads need; the board's sensor program must
-/// not be running. The watchdog is only looked at: opened, it would have to be fed.
-/// A set among the options is told to the camera of the head that they name, and read back.
+/// not be running.  The camera is started for a few frames; the laser stays dark. The watchdog is only looked
+/// at: opened, it would have to be fed. A set among the options is told to the camera of the head that they
+/// name, and read back.
 [[nodiscard]] Result<std::vector<DeviceFinding>> check_board(const std::filesystem::path& board_file,
                                                              const SourceOptions& options);
 
