@@ -14,12 +14,15 @@ biteline-backup: all that makes a unit this unit as one file, and back.
 
 Options:
   --with-keys       save: the unit's own keys, too; whoever has FILE then is this unit
+                    restore: the keys in FILE become this unit's
+  --with-trust      restore: the hosts that FILE lets in (hosts.allowed) are let in, and no others
   --etc DIR         the unit's settings (/etc/biteline)
   --state DIR       where the unit keeps its count (/var/lib/biteline)
   --service PROGRAM called with is-active (systemctl on biteline-sensor)
   --help
 
-A restore without keys in FILE leaves the unit's own keys as they are.
+A restore leaves whom this unit trusts as it is: allowed hosts and own keys change by the options above alone,
+and who signs its updates (update.pem) never does: put that file in place by hand.
 Exit status: 0 done; 2 wrong use, or a file that is not taken: nothing was changed.
 TEXT
 }
@@ -30,11 +33,13 @@ etc=/etc/biteline
 state=/var/lib/biteline
 service_program=
 with_keys=no
+with_trust=no
 words=()
 while [ $# -gt 0 ]; do
   case $1 in
     --help) usage; exit 0 ;;
     --with-keys) with_keys=yes ;;
+    --with-trust) with_trust=yes ;;
     --etc | --state | --service)
       [ $# -gt 1 ] || refuse "$1 needs a value (see --help)"
       case $1 in
@@ -113,6 +118,31 @@ save() {
   echo "biteline-backup: $file, $(grep -vc '^#' "$work/sums") files, keys: $with_keys"
 }
 
+# Settings that name a place of keys, or that are no settings of ours, would say whom to trust by another name.
+is_plain_env() {
+  ! grep -qvE '^[[:space:]]*(#.*)?$|^BITELINE_[A-Z_]*=' "$1" && ! grep -qE -- '--(keys|trusted)' "$1"
+}
+
+# Takes out of the unpacked folder $1 what a restore does not change, and tells it.  What is left in are settings.
+leave_trust() {
+  local name told=()
+  (cd "$1" && find . -type f | sort) >"$work/left"
+  while read -r name; do
+    name=${name#./}
+    case $name in
+      keys/hosts.allowed) [ $with_trust = no ] || continue ;;
+      keys/*/*) ;;
+      keys/*.public | keys/*.secret) [ $with_keys = no ] || continue ;;
+      keys/*) ;;
+      *.yaml) continue ;;
+      *.env) if is_plain_env "$1/$name" || cmp -s "$1/$name" "$etc/$name"; then continue; fi ;;
+    esac
+    cmp -s "$1/$name" "$etc/$name" || told+=("$name")
+    rm "$1/$name"
+  done <"$work/left"
+  [ ${#told[@]} -eq 0 ] || echo "biteline-backup: not changed by a restore: ${told[*]} (see --help)"
+}
+
 # As the unit's own files are: theirs where they are, else those of the folder.
 own_as_before() {
   local name
@@ -153,6 +183,9 @@ restore() {
   # What is not in the file stays: keys, notes of others.
   cp -a "$etc" "$new"
   cp -rT "$work/etc" "$work/over"
+  leave_trust "$work/over"
+  [ $with_trust = no ] || [ ! -f "$work/over/keys/hosts.allowed" ] ||
+    echo "biteline-backup: lets in the $(grep -cvE '^[[:space:]]*(#.*)?$' "$work/over/keys/hosts.allowed" || true) hosts of $file"
   own_as_before "$work/over"
   # A link in the unit's folder gives way to the file; what it leads to is another's.
   cp -a --remove-destination "$work/over/." "$new/"

@@ -61,8 +61,34 @@ run one save --with-keys keys.backup >/dev/null
 [ "$(tar -tzf keys.backup | grep -c 'secret$')" -gt 0 ] || bad "the keys are not in it"
 mkdir three
 run three restore keys.backup >/dev/null || bad "not restored into nothing"
+[ -z "$(find three/etc/keys -type f 2>/dev/null)" ] || bad "keys came without being asked for"
+rm -r three && mkdir three
+run three restore --with-keys keys.backup >/dev/null || bad "not restored into nothing with its keys"
 [ "$(cat three/etc/keys/*.secret)" = "$(cat one/etc/keys/*.secret)" ] || bad "the key is another"
 for key in three/etc/keys/*.secret; do [ "$(stat -c %a "$key")" = 600 ] || bad "others may read $key"; done
+
+# Whom a unit trusts is no setting: a file whose sums are all right may be anybody's.
+make_unit own
+echo 'the key of who signs' >own/etc/update.pem
+echo 'host-1 public-key-1' >own/etc/keys/hosts.allowed
+rm -rf open && mkdir open && tar -xzf keys.backup -C open
+mkdir -p open/etc/trust open/etc/keys/more
+for name in update.pem other.pem settings/update.pem keys/hosts.allowed trust/hosts.allowed keys/stranger.public keys/sensor.secret keys/more/x.secret \
+  keys/hosts.yaml update.env more.env notes; do
+  echo 'BITELINE_SENSOR_OPTIONS="--keys /etc/biteline/trust"' >"open/etc/$name"
+done
+echo 'LD_PRELOAD=/tmp/evil.so' >open/etc/more.env
+echo 'camera: {exposure_us: 123}' >open/etc/settings/start-up.yaml
+(cd open && find about etc state -type f | sort | xargs sha256sum && echo '# end') >stranger.sums && mv stranger.sums open/sums
+tar -C open -czf stranger.backup about sums etc state
+(cd own/etc && find . -type f ! -path './settings/*' ! -name sensor.env ! -name board.yaml | sort | xargs sha256sum) >trust.before
+run own restore stranger.backup >told || bad "a stranger's settings are not restored: $(cat told)"
+grep -q 123 own/etc/settings/start-up.yaml || bad "settings are not as saved"
+(cd own/etc && find . -type f ! -path './settings/*' ! -name sensor.env ! -name board.yaml | sort | xargs sha256sum) | diff - trust.before || bad "a restore changed whom the unit trusts"
+grep -q 'not changed.*update.pem' told && grep -q 'keys/hosts.allowed' told || bad "what was left as it is, is not told"
+run own restore --with-trust stranger.backup >told || bad "not restored with its hosts"
+grep -q 'lets in the 1 hosts' told && grep -q trust own/etc/keys/hosts.allowed || bad "the hosts are not those of the file, or it is not told"
+[ "$(cat own/etc/update.pem)" = 'the key of who signs' ] && [ ! -e own/etc/other.pem ] && [ ! -e own/etc/more.env ] || bad "who signs is another, or foreign files came"
 
 # Spoiled files change nothing.
 look two >two.before
