@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <memory>
 
 #include "host/apps/biteline-host/steps.hpp"
@@ -30,6 +31,8 @@ Result<std::string> numeric_address(const std::string& host) {
   return std::string{text};
 }
 
+constexpr const char* k_lock_folder = "/run/lock";
+
 bool is_loopback(const std::string& address) {
   return address.starts_with("127.") || address == "::1";
 }
@@ -46,9 +49,15 @@ Result<report::FileLock> hold_arm(const std::string& host, std::uint16_t script_
   BITELINE_ASSIGN(std::string name, numeric_address(host));
   if (is_loopback(name)) name = "loopback-" + network_namespace() + "-" + std::to_string(script_port);
   for (char& c : name) c = c == ':' || c == '%' ? '-' : c;
-  // Where every user of the machine may hold a lock; /tmp serves systems without it.
-  const char* folder = ::access("/run/lock", W_OK) == 0 ? "/run/lock" : "/tmp";
-  return report::FileLock::take(std::string{folder} + "/biteline-arm-" + name, holder);
+  // Where every user of the machine, and every unit, holds its locks.  No other folder stands in for it: in a
+  // unit /tmp is its own, and a lock that nobody else sees holds nothing.
+  if (::access(k_lock_folder, W_OK) != 0)
+    return fail_errno(
+        Errc::WriteFailed, errno,
+        "%s: no arm is held there, so no path is sent: a unit needs ReadWritePaths=%s, a machine "
+        "the folder (mkdir -m 1777 %s)",
+        k_lock_folder, k_lock_folder, k_lock_folder);
+  return report::FileLock::take(std::string{k_lock_folder} + "/biteline-arm-" + name, holder);
 }
 
 Result<std::unique_ptr<robot::ur::ArmClaim>> claim_arm(const RobotOptions& robot) {

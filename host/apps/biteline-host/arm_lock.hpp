@@ -10,8 +10,9 @@
 namespace biteline::service {
 
 /// Holds the arm at `host` (name or address) for this machine, for as long as the lock lives;
-/// Errc::PeerRefused names who has it.  On loopback, where several simulated arms may be, the script's port
-/// tells them apart, and so does the network namespace.
+/// Errc::PeerRefused names who has it; Errc::WriteFailed: there is no place that all of the machine share. On
+/// loopback, where several simulated arms may be, the script's port tells them apart, and so does the network
+/// namespace.
 [[nodiscard]] Result<report::FileLock> hold_arm(const std::string& host, std::uint16_t script_port,
                                                 const std::string& holder);
 

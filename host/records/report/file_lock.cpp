@@ -3,6 +3,7 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <array>
@@ -18,6 +19,8 @@ namespace fs = std::filesystem;
 int open_lock(const fs::path& file) {
   constexpr int k_flags = O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK;
   const int fd = ::open(file.c_str(), O_RDWR | O_CREAT | k_flags, 0644);
+  // Whatever the program's umask is, others must be able to see who holds it.
+  if (fd >= 0) static_cast<void>(::fchmod(fd, 0644));
   // Another user's file, or one that the kernel protects in a shared folder: its lock serves all the same.
   return fd >= 0 || errno != EACCES ? fd : ::open(file.c_str(), O_RDONLY | k_flags);
 }

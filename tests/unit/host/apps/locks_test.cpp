@@ -1,7 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include <CppUTest/TestHarness.h>
+#include <sched.h>
+#include <sys/mount.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
+
+#include <csignal>
+#include <optional>
 
 #include "host/apps/biteline-host/arm_lock.hpp"
 #include "tests/support/errors.hpp"
@@ -84,6 +90,61 @@ TEST(Locks, ArmAtAnAddressIsOneArmOnEveryPort) {
   auto first = hold_arm("192.0.2.77", 30001, "biteline-host 1");
   SUCCEEDS(first);
   FAILS_NAMING(Errc::PeerRefused, "biteline-host 1", hold_arm("192.0.2.77", 30002, "biteline-host 2"));
+}
+
+TEST(Locks, UnitAndByHandHoldOneArmInBothOrders) {
+  // As the unit has it: all but its own folders is read-only, /tmp and the umask are its own.
+  const auto in_a_unit = [](const char* open_folder, const auto& body) {
+    int said[2];
+    LONGS_EQUAL(0, ::pipe(said));
+    const pid_t child = ::fork();
+    if (child == 0) {
+      char answer = 's';
+      const bool alone =
+          ::unshare(CLONE_NEWNS) == 0 && ::mount(nullptr, "/", nullptr, MS_REC | MS_PRIVATE, nullptr) == 0 &&
+          ::mount("none", "/tmp", "tmpfs", 0, nullptr) == 0 &&
+          ::mount("/run", "/run", nullptr, MS_BIND | MS_REC, nullptr) == 0 &&
+          (open_folder == nullptr || ::mount(open_folder, open_folder, nullptr, MS_BIND, nullptr) == 0) &&
+          ::mount(nullptr, "/run", nullptr, MS_REMOUNT | MS_BIND | MS_RDONLY, nullptr) == 0;
+      ::umask(0077);
+      if (alone) answer = body();
+      (void)!::write(said[1], &answer, 1);
+      ::pause();
+      ::_exit(0);
+    }
+    char answer = 0;
+    LONGS_EQUAL(1, ::read(said[0], &answer, 1));
+    ::close(said[0]);
+    ::close(said[1]);
+    return std::pair{child, answer};
+  };
+  const auto end = [](pid_t child) {
+    ::kill(child, SIGKILL);
+    ::waitpid(child, nullptr, 0);
+  };
+  std::optional<report::FileLock> held;
+  const auto take = [&held](const char* who) {
+    auto lock = hold_arm("192.0.2.78", 30001, who);
+    if (lock) held.emplace(std::move(*lock));
+    return lock ? 'y' : lock.error().code == Errc::PeerRefused ? 'n' : 'w';
+  };
+  const auto unit_first = in_a_unit("/run/lock", [&] { return take("the unit"); });
+  if (unit_first.second == 's') return end(unit_first.first);  // no rights for a mount namespace
+  BYTES_EQUAL('y', unit_first.second);
+  FAILS_NAMING(Errc::PeerRefused, "the unit", hold_arm("192.0.2.78", 30001, "by hand"));
+  const auto second_unit = in_a_unit("/run/lock", [&] { return take("another unit"); });
+  BYTES_EQUAL('n', second_unit.second);
+  end(second_unit.first);
+  end(unit_first.first);
+  BYTES_EQUAL('y', take("by hand"));
+  const auto unit_later = in_a_unit("/run/lock", [&] { return take("the unit"); });
+  BYTES_EQUAL('n', unit_later.second);
+  end(unit_later.first);
+  held.reset();
+  // A unit that was not told where: it refuses, and takes no place of its own.
+  const auto closed = in_a_unit(nullptr, [&] { return take("a closed unit"); });
+  BYTES_EQUAL('w', closed.second);
+  end(closed.first);
 }
 
 TEST(Locks, ArmWithoutAnAddressIsTold) {
