@@ -36,6 +36,8 @@ void tell_lie(Lie lie, const std::string& name, rtde::Value& value) {
     six->fill(std::numeric_limits<double>::quiet_NaN());
   if (lie == Lie::OtherTool && name == "tcp_offset" && six != nullptr) (*six)[2] += 0.05;
   if (lie == Lie::PowerOff && name == "robot_mode" && std::holds_alternative<std::int32_t>(value)) value = 3;
+  if (lie == Lie::SaysEnded && name == "runtime_state") value = std::uint32_t{1};
+  if (lie == Lie::ToolOn && name == "actual_digital_output_bits") value = std::uint64_t{1};
 }
 
 }  // namespace
@@ -69,7 +71,13 @@ void ControllerBetween::relay(const std::stop_token& stop) {
       waits.push_back({pair->host.number(), POLLIN, 0});
       waits.push_back({pair->controller.number(), POLLIN, 0});
     }
-    ::poll(waits.data(), waits.size(), 20);
+    const bool unplugged = lie == Lie::Unplugged;
+    // Sockets that are not read would wake it at once.
+    if (unplugged) {
+      std::this_thread::sleep_for(std::chrono::milliseconds{5});
+      continue;
+    }
+    ::poll(waits.data(), waits.size(), lie == Lie::Lagging ? 2 : 20);
     accept();
     std::erase_if(pairs_, [this](const std::unique_ptr<Pair>& pair) { return !pass(*pair); });
   }
@@ -96,10 +104,12 @@ bool ControllerBetween::pass(Pair& pair) {
   if (lie == Lie::Cut && pair.kind == Kind::Rtde) return false;
   std::vector<std::uint8_t> bytes;
   const bool host_there = sim::read_available(pair.host, bytes);
+  if (lie == Lie::DeafDoors && pair.kind != Kind::Rtde) bytes.clear();
   hear_host(pair, bytes);
   bytes.clear();
   const bool controller_there = sim::read_available(pair.controller, bytes);
   if (!hear_controller(pair, bytes)) return false;
+  if (pair.kind == Kind::Rtde) hold_back(pair);
   const bool sent = sim::write_available(pair.controller, pair.to_controller) &&
                     sim::write_available(pair.host, pair.to_host);
   return host_there && controller_there && sent;
@@ -171,7 +181,26 @@ void ControllerBetween::take_reply(Pair& pair, const rtde::Package& package) {
   if (recipe.types.size() == recipe.names.size()) pair.recipes.push_back(std::move(recipe));
 }
 
-void ControllerBetween::pass_state(Pair& pair, const rtde::Package& package) const {
+void ControllerBetween::hold_back(Pair& pair) {
+  constexpr double k_more_s_per_s = 0.12;
+  const Clock::time_point now = Clock::now();
+  if (lie != Lie::Lagging) {
+    lagging_since_.reset();
+  } else {
+    if (!lagging_since_) lagging_since_ = now;
+    if (!pair.to_host.empty())
+      pair.held.emplace_back(
+          now + std::chrono::duration_cast<Clock::duration>(k_more_s_per_s * (now - *lagging_since_)),
+          std::exchange(pair.to_host, {}));
+  }
+  while (!pair.held.empty() && (pair.held.front().first <= now || lie != Lie::Lagging)) {
+    const auto& bytes = pair.held.front().second;
+    pair.to_host.insert(pair.to_host.end(), bytes.begin(), bytes.end());
+    pair.held.pop_front();
+  }
+}
+
+void ControllerBetween::pass_state(Pair& pair, const rtde::Package& package) {
   const Lie told = lie;
   if (told == Lie::Silent) return;
   const rtde::DataHeader header = rtde::output_header(pair.version);

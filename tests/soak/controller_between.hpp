@@ -3,10 +3,14 @@
 /// \file Between the host service and the simulated controller: hears every script, and makes the wire lie.
 
 #include <atomic>
+#include <chrono>
+#include <deque>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "common/rtde/data.hpp"
@@ -26,6 +30,11 @@ enum class Lie : int {
   NotANumber,  ///< the tip NaN
   OtherTool,   ///< another tip is set
   PowerOff,    ///< robot mode 3
+  Unplugged,   ///< connections stand, nothing passes either way, and no new one is answered
+  DeafDoors,   ///< states pass; script port and dashboard take words and pass none
+  SaysEnded,   ///< runtime_state 1: no program runs
+  ToolOn,      ///< output 0 is on
+  Lagging,     ///< states come later and later, by 0.12 s more each second
 };
 
 /// Relays RTDE, script port and dashboard.  Thread: one of its own; public methods from any.
@@ -48,6 +57,7 @@ class ControllerBetween {
   [[nodiscard]] std::uint64_t stops() const { return stops_; }
 
  private:
+  using Clock = std::chrono::steady_clock;
   enum class Kind { Rtde, Script, Dashboard };
   struct Door {
     Kind kind;
@@ -59,6 +69,8 @@ class ControllerBetween {
     Kind kind{};
     hal::Descriptor host, controller;
     std::vector<std::uint8_t> to_host, to_controller;
+    std::deque<std::pair<Clock::time_point, std::vector<std::uint8_t>>>
+        held;           ///< for the host, and until when
     std::string words;  ///< of the host, not yet whole
     // RTDE only; large, so there is one only where it is needed.
     std::unique_ptr<rtde::PackageSplitter> from_host, from_controller;
@@ -75,13 +87,15 @@ class ControllerBetween {
   void hear_host(Pair& pair, std::span<const std::uint8_t> bytes);
   [[nodiscard]] bool hear_controller(Pair& pair, std::span<const std::uint8_t> bytes);
   void take_reply(Pair& pair, const rtde::Package& package);
-  void pass_state(Pair& pair, const rtde::Package& package) const;
+  void pass_state(Pair& pair, const rtde::Package& package);
+  void hold_back(Pair& pair);
 
   std::vector<Door> doors_;
   std::vector<std::unique_ptr<Pair>> pairs_;
   std::mutex scripts_mutex_;
   std::vector<std::string> scripts_;
   std::atomic<std::uint64_t> stops_{0};
+  std::optional<Clock::time_point> lagging_since_;
   std::jthread thread_;  ///< last: it uses the rest
 };
 
