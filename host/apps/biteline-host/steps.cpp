@@ -12,6 +12,7 @@
 #include "common/core/fixed_text.hpp"
 #include "host/apps/biteline-host/refused.hpp"
 #include "host/apps/biteline-host/service_words.hpp"
+#include "host/calibration/consistency/picture_check.hpp"
 #include "host/cloud/ply.hpp"
 #include "host/intake/account.hpp"
 #include "host/intake/refused.hpp"
@@ -20,6 +21,7 @@
 #include "host/records/report/report.hpp"
 #include "host/records/results/line_result.hpp"
 #include "host/records/results/plan_result.hpp"
+#include "host/records/results/refused_result.hpp"
 #include "host/records/results/transfer_result.hpp"
 #include "host/records/results/view/view_data.hpp"
 #include "host/robot/link/follow.hpp"
@@ -64,6 +66,24 @@ Result<LineStep> keep_unfinished(const fs::path& folder, const intake::ScanOutco
   BITELINE_TRY(report.write(folder));
   say_step("refused: %s", refusal.reason.c_str());
   return LineStep{.status = ExitStatus::Refused, .confidence = 0, .line = {}};
+}
+
+/// A scan whose pictures did not come as the head was calibrated has no line; its cloud is kept.
+Result<std::optional<LineStep>> heed_pictures(const fs::path& folder, const intake::ScanOutcome& scan,
+                                              const KnownBefore& known, report::Report& report) {
+  std::vector<drift::PosedProfile> poses;
+  for (const intake::TakenFrom& taken : scan.poses)
+    poses.push_back({.profile = taken.profile, .pose = taken.pose});
+  const consistency::PictureCheck pictures = report.timed("picture check", [&] {
+    return consistency::check_pictures({scan.cloud.points, scan.cloud.profile, poses}, scan.sensor.model,
+                                       {.head = known.head, .arm = known.arm});
+  });
+  report.fields["picture_check"] = consistency::as_json(pictures);
+  const auto refusal = consistency::refusal_of(pictures);
+  if (!refusal) return std::optional<LineStep>{};
+  BITELINE_TRY(results::write_refused_result(folder, scan.cloud, report::told(*refusal), report));
+  say_step("refused: %s", refusal->reason.c_str());
+  return std::optional{LineStep{.status = ExitStatus::Refused, .confidence = 0, .line = {}}};
 }
 
 void fill_scan(const intake::ScanOutcome& scan, const std::string& release, report::Report& report) {
@@ -259,7 +279,10 @@ Result<LineStep> find_line(const fs::path& folder, const intake::ScanOutcome& sc
   std::shared_ptr<const uncertainty::KnownHead> head;
   if (known.head) head = std::make_shared<const uncertainty::KnownHead>(scan.sensor.model, *known.head);
   line.close(std::move(head), known.arm);
+  // Beside the line's own thread.
+  BITELINE_ASSIGN(std::optional<LineStep> refused, heed_pictures(folder, scan, known, report));
   intake::LiveLine::Outcome outcome = line.wait();
+  if (refused) return std::move(*refused);
   report.add_stage("last profile to line", outcome.last_profile_to_line_s);
   bite_line::Extraction& extraction = outcome.extraction;
   BITELINE_ASSIGN(const ExitStatus status, results::write_line_files(folder, scan.cloud, extraction, report));
@@ -291,6 +314,8 @@ Result<LineStep> carry_line(const fs::path& folder, const Carrier& carrier, cons
   fill_scan(scan, release, report);
   report.fields["sample"] = carrier.name;
   if (scan.failure) return keep_unfinished(folder, scan, report);
+  BITELINE_ASSIGN(std::optional<LineStep> refused, heed_pictures(folder, scan, known, report));
+  if (refused) return std::move(*refused);
   transfer::TransferOptions options = carrier.options;
   transfer::Transfer transfer = report.timed("transfer", [&] {
     options.upper_scan = intake::whole_scan_of(scan, known.head, known.arm);

@@ -8,6 +8,7 @@
 #include "common/stripe/peak_names.hpp"
 #include "host/apps/biteline/command.hpp"
 #include "host/apps/biteline/method.hpp"
+#include "host/calibration/consistency/picture_check.hpp"
 #include "host/cloud/uncertainty/uncertainty_file.hpp"
 #include "host/intake/account.hpp"
 #include "host/intake/live_line.hpp"
@@ -16,6 +17,7 @@
 #include "host/records/recording/import.hpp"
 #include "host/records/report/progress.hpp"
 #include "host/records/results/line_result.hpp"
+#include "host/records/results/refused_result.hpp"
 
 namespace biteline::app {
 namespace {
@@ -27,9 +29,7 @@ struct ReplayOptions {
 };
 
 /// The line of a scan that is in; its time from the last profile on is a stage of its own.
-FoundLine finish_line(intake::LiveLine& line, const std::shared_ptr<const uncertainty::KnownHead>& head,
-                      report::Report& report) {
-  line.close(head);
+FoundLine finish_line(intake::LiveLine& line, report::Report& report) {
   intake::LiveLine::Outcome outcome = line.wait();
   report.add_stage("last profile to line", outcome.last_profile_to_line_s);
   return {std::move(outcome.extraction), results::stages_of(std::move(outcome.workings))};
@@ -110,11 +110,14 @@ Result<ExitStatus> replay(ReplayOptions options, const GlobalOptions& global) {
   };
   // The published way wants the whole cloud; the default works along with the scan.
   std::optional<intake::LiveLine> line;
+  std::vector<drift::PosedProfile> poses;
   if (options.method == Method::Default) line.emplace(bite_line::Config{});
   run_options.on_profile = [&](const profile::Profile& profile, std::span<const Eigen::Vector3f> points_base,
                                const cloud::StripeSpan& stripe) {
-    if (line)
-      line->add_profile(profile.header.sequence, points_base, intake::pose_of(profile.header), stripe);
+    const uncertainty::ProfilePose pose = intake::pose_of(profile.header);
+    if (!points_base.empty())
+      poses.push_back({.profile = static_cast<std::uint32_t>(profile.header.sequence), .pose = pose});
+    if (line) line->add_profile(profile.header.sequence, points_base, pose, stripe);
   };
   BITELINE_ASSIGN(const std::optional<intake::ProfileSource> input, intake::choose_profiles(options.session));
   BITELINE_ASSIGN(const intake::SessionRun run, report.timed("scan", [&] {
@@ -125,14 +128,25 @@ Result<ExitStatus> replay(ReplayOptions options, const GlobalOptions& global) {
 
   std::shared_ptr<const uncertainty::KnownHead> head;
   if (known) head = std::make_shared<const uncertainty::KnownHead>(run.sensor.model, *known);
+  if (line) line->close(head);
+  // Beside the line's own thread.
+  const consistency::PictureCheck pictures = report.timed("picture check", [&] {
+    return consistency::check_pictures({run.cloud.points, run.cloud.profile, poses}, run.sensor.model,
+                                       {.head = known, .arm = {}});
+  });
   const FoundLine found = line
-                              ? finish_line(*line, head, report)
+                              ? finish_line(*line, report)
                               : report.timed("extract", [&] { return find_line(run.cloud, options.method); });
 
+  report.fields["picture_check"] = consistency::as_json(pictures);
   report.fields["input"] = input_name;
   report.fields["scan"] = intake::account_of(run.counts, run.sensor_counters, run.sensor_stages);
   report.fields["frames_per_s"] =
       run.stream_s > 0 ? static_cast<double>(run.counts.profiles) / run.stream_s : 0.0;
+  if (const auto refusal = consistency::refusal_of(pictures)) {
+    BITELINE_TRY(results::write_refused_result(options.out, run.cloud, report::told(*refusal), report));
+    return tell(report, global, "refused: " + refusal->reason);
+  }
   BITELINE_TRY(results::write_line_result(options.out, run.cloud, found.extraction, found.stages, report));
   return tell(report, global, results::summary(found.extraction));
 }

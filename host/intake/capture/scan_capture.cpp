@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <utility>
 
+#include "host/intake/cloud_builder.hpp"
+#include "host/intake/live_line.hpp"
 #include "host/intake/sensor_link.hpp"
 #include "host/intake/sensor_process.hpp"
 
@@ -71,6 +73,9 @@ class Taking {
         stop_said_ = true;
       }
     }
+    if (cloud_)
+      taken_.pictures =
+          consistency::check_pictures({cloud_->cloud().points, cloud_->cloud().profile, poses_}, head_, {});
     return std::move(taken_);
   }
 
@@ -78,6 +83,7 @@ class Taking {
   Result<void> take(const intake::LinkEvent& event) {
     if (const auto* hello = std::get_if<intake::Hello>(&event)) {
       scanning_ = hello->sensor.scanning;
+      head_ = hello->sensor.model;
       if (!scanning_ && !start_said_) {
         link_.command({.id = k_start_id, .command = wire::Command::StartScan});
         start_said_ = true;
@@ -95,6 +101,10 @@ class Taking {
   }
 
   void count(const profile::Profile& profile) {
+    if (!cloud_) cloud_.emplace(head_);
+    if (!cloud_->add(profile).empty())
+      poses_.push_back({.profile = static_cast<std::uint32_t>(profile.header.sequence),
+                        .pose = intake::pose_of(profile.header)});
     ScanCount& count = taken_.count;
     ++count.profiles;
     if ((profile.header.flags & profile::k_profile_stripe_lost) != 0) ++count.without_stripe;
@@ -110,6 +120,9 @@ class Taking {
   intake::SensorLink& link_;
   const OnTurn& on_turn_;
   TakenScan taken_;
+  geometry::SensorModel head_{};
+  std::optional<intake::CloudBuilder> cloud_;
+  std::vector<drift::PosedProfile> poses_;
   bool scanning_{false}, start_said_{false}, stop_said_{false}, ended_{false};
 };
 
@@ -156,6 +169,8 @@ calibration::Verdict judge_scan(const TakenScan& scan) {
   if (count.profiles < k_least_profiles)
     note(Grade::Bad,
          std::to_string(count.profiles) + " profiles: the arm did not move, or the scan ended at once");
+  if (const auto refusal = consistency::refusal_of(scan.pictures))
+    note(Grade::Bad, refusal->reason + "; " + report::told(*refusal).next_step);
   const double profiles = std::max(1.0, static_cast<double>(count.profiles));
   const double lost = static_cast<double>(count.without_stripe) / profiles;
   const double unusable = static_cast<double>(count.not_usable) / profiles;

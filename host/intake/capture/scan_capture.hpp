@@ -11,6 +11,7 @@
 #include "common/core/result.hpp"
 #include "common/session/recording_facts.hpp"
 #include "common/wire/messages.hpp"
+#include "host/calibration/consistency/picture_check.hpp"
 #include "host/calibration/head/verdict.hpp"
 
 namespace biteline::capture {
@@ -36,6 +37,7 @@ struct TakenScan {
   ScanCount count;
   wire::EndOfScan end;
   session::RecordingFacts facts;
+  consistency::PictureCheck pictures{};
 };
 
 /// Some ten times a second while the scan is on; false ends it.
@@ -48,7 +50,8 @@ using OnTurn = std::function<bool(const ScanCount&)>;
 /// and why; no folder is left.
 [[nodiscard]] Result<TakenScan> capture_scan(const ScanOrder& order, const OnTurn& on_turn);
 
-/// What the recording is worth: good when a replay gives the same bits and nearly every profile counts.
+/// What the recording is worth: good when a replay gives the same bits and nearly every profile counts; bad
+/// when the pictures contradict the calibration.
 [[nodiscard]] calibration::Verdict judge_scan(const TakenScan& scan);
 
 }  // namespace biteline::capture

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file What is left of a scan whose line is none, whatever was found in it.
+
+#include <filesystem>
+
+#include "common/core/result.hpp"
+#include "host/cloud/point_cloud.hpp"
+#include "host/records/report/report.hpp"
+
+namespace biteline::results {
+
+/// cloud.ply, report.json with the refusal, and index.html that says it.
+[[nodiscard]] Result<void> write_refused_result(const std::filesystem::path& folder,
+                                                const cloud::PointCloud& cloud,
+                                                const report::ToldRefusal& refusal, report::Report& report);
+
+}  // namespace biteline::results
