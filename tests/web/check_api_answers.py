@@ -45,6 +45,17 @@ class Api:
         with open(file, encoding="utf-8") as stream:
             self.text = yaml.safe_load(stream)
 
+    def torn(self, node=None, where=""):
+        """Words that an unquoted comma tore off their description: a key with a blank in it, or one that says nothing."""
+        node = self.text if node is None else node
+        if isinstance(node, list):
+            return [fault for number, one in enumerate(node) for fault in self.torn(one, f"{where}/{number}")]
+        if not isinstance(node, dict):
+            return []
+        own = [f"{where}: '{key}' is no key; quote the description" for key, value in node.items()
+               if value is None and "example" not in where and key not in ("example", "default")]
+        return own + [fault for key, value in node.items() if value is not None for fault in self.torn(value, f"{where}/{key}")]
+
     def at(self, reference):
         node = self.text
         for name in reference.removeprefix("#/").split("/"):
@@ -122,7 +133,7 @@ def main():
     if len(sys.argv) < 3:
         sys.exit(__doc__)
     api = Api(sys.argv[1])
-    seen, told, count = set(), set(), 0
+    seen, told, count = set(), set(api.torn()), 0
     with open(sys.argv[2], encoding="utf-8") as stream:
         for line in stream:
             noted = json.loads(line)
