@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "common/core/text.hpp"
+#include "common/core/text_bounds.hpp"
 #include "common/system/file.hpp"
 
 namespace biteline::config {
@@ -178,6 +179,10 @@ std::string YamlReader::text(const std::string& key) {
   if (!found) return {};
   if (!found->IsScalar()) {
     fault(Errc::BadValue, key, "text expected");
+    return {};
+  }
+  if (!bounds::fits(found->Scalar(), bounds::k_value)) {
+    fault(Errc::BadValue, key, bounds::expected(bounds::k_value));
     return {};
   }
   if (noted != nullptr) noted->text = found->Scalar();

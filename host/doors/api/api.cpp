@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <string_view>
 
+#include "common/core/text_bounds.hpp"
 #include "host/doors/accounts/metrics_token.hpp"
 #include "host/doors/api/people.hpp"
 #include "host/doors/api/words.hpp"
@@ -25,7 +26,6 @@ constexpr std::string_view k_for_metrics = "/api/v1/exchange/metrics";
 constexpr const char* k_line = "/api/v1/line";
 constexpr const char* k_check_process = "/api/v1/processes/check";  // changes nothing: no log row
 constexpr const char* k_touches = "/api/v1/mounted/touches";        // nor does this
-constexpr std::size_t k_most_why = 500;
 
 /// The parts of `path` that stand where `pattern` has "{}"; nothing when they do not fit.
 std::optional<std::vector<std::string>> match(std::string_view pattern, std::string_view path) {
@@ -270,8 +270,8 @@ Answer Api::read_control(const Call&) {
 Answer Api::change_control(const Call& call) {
   Fields fields{call.request.body};
   const std::string action = fields.text("action", 20, true);
-  const std::string to = fields.text("to", 64);
-  const std::string why = fields.text("why", k_most_why);
+  const std::string to = fields.text("to", bounds::k_name);
+  const std::string why = fields.text("why", bounds::k_why);
   if (action != "take" && action != "give" && action != "release")
     fields.fault("action", "take, give or release expected");
   if (action == "give" && to.empty()) fields.fault("to", "a user's name expected");
@@ -287,8 +287,8 @@ Answer Api::change_control(const Call& call) {
 
 Answer Api::start(const Call& call) {
   Fields fields{call.request.body};
-  const Job job{.model = fields.text("model", 64),
-                .process = fields.text("process", 64),
+  const Job job{.model = fields.text("model", bounds::k_name),
+                .process = fields.text("process", bounds::k_name),
                 .hold = fields.boolean("hold").value_or(false)};
   if (!job.model.empty() && !is_name(job.model)) fields.fault("model", "a model's name expected");
   if (!job.process.empty() && !is_name(job.process)) fields.fault("process", "a process's name expected");
@@ -313,7 +313,7 @@ Answer Api::start(const Call& call) {
 
 Answer Api::rescan(const Call& call) {
   Fields fields{call.request.body};
-  const std::string why = fields.text("why", k_most_why);
+  const std::string why = fields.text("why", bounds::k_why);
   const bool hold = fields.boolean("hold").value_or(false);
   if (const std::optional<Answer> faults = fields.faults()) return *faults;
   const Result<void> done = rooms_.cell.rescan({.who = call.person.name,

@@ -2,6 +2,7 @@
 // Models and processes.
 #include <algorithm>
 
+#include "common/core/text_bounds.hpp"
 #include "host/doors/api/api.hpp"
 #include "host/doors/api/process_schema.hpp"
 #include "host/doors/api/words.hpp"
@@ -88,9 +89,9 @@ Answer Api::read_model(const Call& call) {
 
 Answer Api::save_model(const Call& call) {
   Fields fields{call.request.body};
-  const std::string name = fields.text("name", 64, true);
+  const std::string name = fields.text("name", bounds::k_name, true);
   const std::string scan = fields.text("scan", 14, true);
-  const std::string process = fields.text("process", 64);
+  const std::string process = fields.text("process", bounds::k_name);
   transfer::ModelMade made;
   made.size = fields.text("size", 20);
   made.foot = fields.text("foot", 5);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "common/core/text_bounds.hpp"
 #include "host/doors/api/api.hpp"
 #include "host/doors/api/words.hpp"
 #include "host/records/results/mended_result.hpp"
@@ -136,7 +137,8 @@ class Mending {
 Answer Api::mend(const Call& call) {
   const std::string& id = call.names.front();
   Fields fields{call.request.body};
-  results::MendOrder order{.steps = {}, .who = call.person.name, .why = fields.text("why", 500, true)};
+  results::MendOrder order{
+      .steps = {}, .who = call.person.name, .why = fields.text("why", bounds::k_why, true)};
   const std::optional<double> version = fields.number("line_version", 0, 1e6);
   if (!version) fields.fault("line_version", "the version that was looked at expected; 0: as found");
   order.line_version = static_cast<int>(version.value_or(0));

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "common/core/base64.hpp"
+#include "common/core/text_bounds.hpp"
 #include "host/doors/api/api.hpp"
 #include "host/doors/api/words.hpp"
 
@@ -63,7 +64,7 @@ Answer Api::import_model(const Call& call) {
   const auto at = fields.number("at", 0, static_cast<double>(Exchange::k_most_bytes));
   const std::optional<std::string> piece = from_base64(fields.text("bytes", k_most_piece_text));
   const bool last = fields.boolean("last").value_or(false);
-  const std::string name = fields.text("name", 64);
+  const std::string name = fields.text("name", bounds::k_name);
   const bool replace = fields.boolean("replace").value_or(false);
   if (!at) fields.fault("at", "the byte where this piece begins expected");
   if (!piece) fields.fault("bytes", "base64 expected");

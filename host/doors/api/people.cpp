@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "common/core/text_bounds.hpp"
 #include "host/doors/api/words.hpp"
 
 namespace biteline::api::people {
@@ -11,7 +12,6 @@ using accounts::Role;
 
 namespace {
 
-constexpr std::size_t k_most_name = 64;
 constexpr std::size_t k_most_password = 200;
 
 std::optional<Role> role_field(Fields& fields, bool required) {
@@ -51,7 +51,7 @@ Answer log_in(Accounts& accounts, const Request& request) {
   Fields fields{request.body};
   const bool guest = fields.has("token");
   const std::string token = guest ? fields.text("token", 100, true) : "";
-  const std::string name = guest ? "" : fields.text("name", 64, true);
+  const std::string name = guest ? "" : fields.text("name", bounds::k_name, true);
   const std::string password = guest ? "" : fields.text("password", 200, true);
   fields.boolean("cookie");  // the web program's
   if (const std::optional<Answer> faults = fields.faults()) return *faults;
@@ -110,7 +110,7 @@ Answer add_user(Accounts& accounts, const Request& request, const Person& person
   if (!first && person.role < Role::Administrator)
     return control::refusal(403, "not_allowed", "this needs the role administrator");
   Fields fields{request.body};
-  const std::string name = fields.text("name", k_most_name, true);
+  const std::string name = fields.text("name", bounds::k_name, true);
   const std::optional<Role> role = role_field(fields, true);
   const std::string password = fields.text("password", k_most_password, true);
   if (const std::optional<Answer> faults = fields.faults()) return *faults;

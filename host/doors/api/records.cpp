@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "common/core/text_bounds.hpp"
 #include "common/system/file.hpp"
 #include "host/bite_line/mend/versions.hpp"
 #include "host/doors/api/air.hpp"
@@ -92,7 +93,7 @@ Answer Api::read_scan(const Call& call) {
 Answer Api::decide(const Call& call, Decision::Kind kind, int status, bool needs_why) {
   const std::string& id = call.names.front();
   Fields fields{call.request.body};
-  const std::string why = fields.text("why", 500, needs_why);
+  const std::string why = fields.text("why", bounds::k_why, needs_why);
   if (const std::optional<Answer> faults = fields.faults()) return *faults;
   if (!is_scan_id(id)) return control::refusal(404, "not_found", "no such scan; GET /scans lists them");
   const Result<void> done = rooms_.cell.decide({.kind = kind,
@@ -124,7 +125,7 @@ Answer Api::send(const Call& call) {
 Answer Api::choose_model(const Call& call) {
   const std::string& id = call.names.front();
   Fields fields{call.request.body};
-  const std::string model = fields.text("model", 64, true);
+  const std::string model = fields.text("model", bounds::k_name, true);
   if (!model.empty() && !is_name(model)) fields.fault("model", "a model's name expected");
   if (const std::optional<Answer> faults = fields.faults()) return *faults;
   if (!is_scan_id(id)) return control::refusal(404, "not_found", "no such scan; GET /scans lists them");
@@ -154,7 +155,7 @@ Answer Api::begun(const Call& call, const std::string& action, const std::string
 Answer Api::choose_process(const Call& call) {
   const std::string& id = call.names.front();
   Fields fields{call.request.body};
-  const std::string process = fields.text("process", 64, true);
+  const std::string process = fields.text("process", bounds::k_name, true);
   if (!process.empty() && !is_name(process)) fields.fault("process", "a process's name expected");
   if (const std::optional<Answer> faults = fields.faults()) return *faults;
   if (!is_scan_id(id)) return control::refusal(404, "not_found", "no such scan; GET /scans lists them");

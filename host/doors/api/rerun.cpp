@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "host/doors/api/rerun.hpp"
 
+#include "common/core/text_bounds.hpp"
 #include "common/system/file.hpp"
 #include "host/doors/api/api.hpp"
 #include "host/doors/api/words.hpp"
@@ -106,13 +107,13 @@ Answer Api::rerun(const Call& call) {
                    .method = {},
                    .process = {},
                    .who = call.person.name,
-                   .why = fields.text("why", 500),
+                   .why = fields.text("why", bounds::k_why),
                    .door = call.request.door};
   const Json given = fields.object("settings");
   Fields settings{given};
-  order.model = settings.text("model", 64);
+  order.model = settings.text("model", bounds::k_name);
   order.method = settings.text("method", 20);
-  order.process = settings.text("process", 64);
+  order.process = settings.text("process", bounds::k_name);
   order.mirror = settings.boolean("mirror").value_or(false);
   order.grade = settings.boolean("grade").value_or(false);
   if (!order.model.empty() && !is_name(order.model)) settings.fault("model", "a model's name expected");

@@ -6,6 +6,7 @@
 #include <charconv>
 
 #include "common/core/text.hpp"
+#include "common/core/text_bounds.hpp"
 
 namespace biteline::api {
 namespace {
@@ -83,8 +84,8 @@ std::string Fields::text(const std::string& name, std::size_t most_bytes, bool r
     return {};
   }
   auto text = value.get<std::string>();
-  if (text.size() > most_bytes || text != clean_text(text)) {
-    fault(name, "a printable text of at most " + std::to_string(most_bytes) + " bytes expected");
+  if (!bounds::fits(text, most_bytes)) {
+    fault(name, bounds::expected(most_bytes));
     return {};
   }
   if (required && text.empty()) fault(name, "must not be empty");
@@ -178,7 +179,7 @@ QueryFilter filter_of(const std::map<std::string, std::string>& query) {
 }
 
 bool is_name(const std::string& text) {
-  return !text.empty() && text.size() <= 64 && text.front() != '.' && text.front() != '_' &&
+  return !text.empty() && text.size() <= bounds::k_name && text.front() != '.' && text.front() != '_' &&
          text.front() != '-' && std::ranges::all_of(text, [](unsigned char c) {
            return c < 128 && (std::isalnum(c) != 0 || c == '.' || c == '_' || c == '-');
          });

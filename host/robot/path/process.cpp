@@ -6,6 +6,7 @@
 
 #include "common/config/yaml_reader.hpp"
 #include "common/core/fixed_text.hpp"
+#include "common/core/text_bounds.hpp"
 
 namespace biteline::path {
 namespace {
@@ -130,10 +131,18 @@ void check_sum(YamlReader& reader, const char* key, double sum, double minimum, 
                    .c_str());
 }
 
+/// For people, on pages and in every row of the memory.
+std::string read_title(YamlReader& reader, std::size_t most_bytes) {
+  std::string title = reader.text("name");
+  if (bounds::fits(title, most_bytes)) return title;
+  reader.fault(Errc::BadValue, "name", bounds::expected(most_bytes));
+  return {};
+}
+
 Zone read_zone(YamlReader& reader, const Process& process) {
   const Zone d;
   Zone zone;
-  zone.name = reader.text("name");
+  zone.name = read_title(reader, bounds::k_name);
   const std::string where = reader.choice_or_first("where", {"stretch", "heel", "toe"});
   if (where == "heel") zone.where = Zone::Where::Heel;
   if (where == "toe") zone.where = Zone::Where::Toe;
@@ -189,7 +198,7 @@ Start read_start(YamlReader& reader) {
 
 Process read_all(YamlReader& reader) {
   Process process;
-  process.name = reader.text("name");
+  process.name = read_title(reader, bounds::k_title);
   process.tool = read_tool(reader.child("tool", true));
   process.placement = read_placement(reader.child("placement", true));
   process.coverage = read_coverage(reader.child("coverage", true));

@@ -109,4 +109,18 @@ TEST(ProcessFile, UnknownKeysAndImpossibleValuesAreNamed) {
   }
 }
 
+TEST(ProcessFile, NameIsOnePrintableLineOfAFewWords) {
+  const auto named = [](const std::string& name) { return read_changed("name: grind", "name: " + name); };
+  CHECK(named("Schleifen \xC3\xBC").has_value());
+  CHECK(named(std::string(200, 'p')).has_value());
+  for (const std::string& name :
+       {std::string(201, 'p'), std::string(200'000, 'p'), std::string{R"("two\nlines")"},
+        std::string{R"("\e[31mred")"}, std::string{R"("turned \u202e")"}}) {
+    const auto process = named(name);
+    CHECK_FALSE(process.has_value());
+    CHECK(process.error().where.view().find("name") != std::string_view::npos);
+    CHECK(process.error().where.view().find("printable") != std::string_view::npos);
+  }
+}
+
 }  // namespace biteline::path
