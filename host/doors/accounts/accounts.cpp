@@ -5,15 +5,18 @@
 #include <array>
 #include <cctype>
 
+#include "common/core/text_bounds.hpp"
 #include "host/doors/accounts/secrets.hpp"
 
 namespace biteline::accounts {
 namespace {
 
-constexpr std::size_t k_longest_name = 64;
+constexpr std::size_t k_longest_name = bounds::k_name;
 constexpr std::size_t k_shortest_password = 8;
 constexpr std::size_t k_longest_password = 200;
 constexpr memory::UnixMs k_session_ms = 12LL * 3600 * 1000;  // a shift, with room
+/// A clock that is set by the network goes back by some seconds at times.
+constexpr memory::UnixMs k_clock_mended_ms = 60'000;
 constexpr int k_free_failures = 2;
 constexpr int k_longest_wait_s = 60;
 /// Names that were tried; beyond them the oldest waits end.
@@ -33,17 +36,21 @@ memory::LogRow event(const std::string& who, const std::string& door, const std:
           .after = after};
 }
 
+/// What the log calls programs, and the names of the centre and of a Sparkplug host at the factory's broker.
+constexpr std::array<std::string_view, 4> k_reserved{"service", "guest", "fleet", "host"};
+
 Result<void> check_name(const std::string& name) {
   const bool good =
-      !name.empty() && name.size() <= k_longest_name && name != "service" && name != "guest" &&
+      !name.empty() && name.size() <= k_longest_name &&
+      std::ranges::find(k_reserved, name) == k_reserved.end() &&
       std::ranges::all_of(name, [](unsigned char c) {
         return c < 128 && (std::isalnum(c) != 0 || c == '.' || c == '_' || c == '-' || c == '@');
       });
   if (good) return {};
-  return fail(
-      Errc::InvalidArgument,
-      "name '%.40s': letters, digits, '.', '_', '-', '@', at most 64, not 'service' or 'guest' expected",
-      name.c_str());
+  return fail(Errc::InvalidArgument,
+              "name '%.40s': letters, digits, '.', '_', '-', '@', at most 64, not service, guest, fleet or "
+              "host, expected",
+              name.c_str());
 }
 
 Result<void> check_password(const std::string& password) {
@@ -71,7 +78,8 @@ std::optional<Role> role_of(const std::string& text) {
   return std::nullopt;
 }
 
-Accounts::Accounts(memory::Memory& memory) : memory_{memory} {
+Accounts::Accounts(memory::Memory& memory, std::function<memory::UnixMs()> wall)
+    : memory_{memory}, wall_{std::move(wall)} {
   // One that cannot be read now is asked for when somebody shows it.
   if (const auto sessions = memory_.sessions()) {
     for (const memory::Session& session : *sessions) note(session);
@@ -79,8 +87,9 @@ Accounts::Accounts(memory::Memory& memory) : memory_{memory} {
 }
 
 void Accounts::note(const memory::Session& session) const {
+  const memory::UnixMs now = session_time();
   const std::lock_guard lock{mutex_};
-  std::erase_if(sessions_, [](const auto& one) { return one.second.expires <= memory::now_ms(); });
+  std::erase_if(sessions_, [now](const auto& one) { return one.second.expires <= now; });
   sessions_.insert_or_assign(session.token_hash, session);
 }
 
@@ -91,8 +100,9 @@ void Accounts::forget_sessions_of(const std::string& name) const {
 
 namespace {
 
-std::optional<Person> person_of(const memory::Session& session) {
-  if (session.expires <= memory::now_ms()) return std::nullopt;
+/// One that was made later than now was made by a clock that has been put back since: its end is not known.
+std::optional<Person> person_of(const memory::Session& session, memory::UnixMs now) {
+  if (session.expires <= now || session.created > now + k_clock_mended_ms) return std::nullopt;
   const std::optional<Role> role = role_of(session.role);
   if (!role) return std::nullopt;
   return Person{.name = session.user, .role = *role};
@@ -103,9 +113,10 @@ std::optional<Person> person_of(const memory::Session& session) {
 std::optional<Person> Accounts::known(const std::string& token) const {
   if (token.empty()) return std::nullopt;
   const std::string hash = hash_token(token);
+  const memory::UnixMs now = session_time();
   const std::lock_guard lock{mutex_};
   const auto found = sessions_.find(hash);
-  return found == sessions_.end() ? std::nullopt : person_of(found->second);
+  return found == sessions_.end() ? std::nullopt : person_of(found->second, now);
 }
 
 Result<tl::expected<Login, NoLogin>> Accounts::log_in(const std::string& name, const std::string& password,
@@ -150,15 +161,25 @@ Result<tl::expected<Login, NoLogin>> Accounts::log_in(const std::string& name, c
   return Outcome{std::move(login)};
 }
 
+memory::UnixMs Accounts::session_time() const {
+  const std::lock_guard lock{mutex_};
+  const Clock::time_point now = Clock::now();
+  const auto passed = std::chrono::duration_cast<std::chrono::milliseconds>(now - latest_at_);
+  latest_ = std::max(wall_(), latest_ + passed.count());
+  latest_at_ = now;
+  return latest_;
+}
+
 Result<Login> Accounts::open_session(const Person& person, const std::string& door,
                                      const std::string& action) {
-  Login login{.token = {}, .person = person, .expires = memory::now_ms() + k_session_ms};
+  const memory::UnixMs now = session_time();
+  Login login{.token = {}, .person = person, .expires = now + k_session_ms};
   BITELINE_ASSIGN(login.token, make_token());
-  BITELINE_TRY(memory_.remove_sessions_before(memory::now_ms()));
+  BITELINE_TRY(memory_.remove_sessions_before(now));
   const memory::Session session{.token_hash = hash_token(login.token),
                                 .user = person.name,
                                 .role = to_text(person.role),
-                                .created = memory::now_ms(),
+                                .created = now,
                                 .expires = login.expires};
   BITELINE_TRY(memory_.put_session(session, event(person.name, door, action, person.name)));
   note(session);
@@ -196,7 +217,7 @@ Result<std::optional<Person>> Accounts::who_is(const std::string& token) const {
   if (token.empty()) return std::optional<Person>{};
   BITELINE_ASSIGN(const std::optional<memory::Session> session, memory_.session(hash_token(token)));
   if (!session) return std::optional<Person>{};
-  return person_of(*session);
+  return person_of(*session, session_time());
 }
 
 Result<bool> Accounts::has_users() const {

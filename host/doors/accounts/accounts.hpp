@@ -3,6 +3,7 @@
 /// \file Who may do what: accounts, sessions, and the one holder of control.
 
 #include <chrono>
+#include <functional>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -55,8 +56,8 @@ class Accounts {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// `memory` outlives it.
-  explicit Accounts(memory::Memory& memory);
+  /// `memory` outlives it.  `wall`: of a test.
+  explicit Accounts(memory::Memory& memory, std::function<memory::UnixMs()> wall = memory::now_ms);
 
   /// A name that fails waits: nothing after the first two failures, then 2, 4, 8 ... 60 s.  An unknown name
   /// takes as long as a wrong password.  Takes the clock, so that a test need not wait.
@@ -108,7 +109,13 @@ class Accounts {
   void note(const memory::Session& session) const;
   void forget_sessions_of(const std::string& name) const;
 
+  /// For sessions: never goes back, whatever the machine's clock is set to.
+  [[nodiscard]] memory::UnixMs session_time() const;
+
   memory::Memory& memory_;
+  std::function<memory::UnixMs()> wall_;
+  mutable memory::UnixMs latest_{0};  ///< of session_time(), and what the steady clock said then
+  mutable Clock::time_point latest_at_{Clock::now()};
   std::mutex words_mutex_;  ///< of who changes control: taken before mutex_, and held while the memory writes
   mutable std::mutex mutex_;  ///< never while the memory is asked
   std::map<std::string, Failures> failures_;

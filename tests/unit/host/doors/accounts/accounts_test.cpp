@@ -173,4 +173,46 @@ TEST(Accounts, EveryChangeIsInTheLogAndNoPassword) {
       all.c_str());
 }
 
+TEST(Accounts, ASessionThatHasEndedStaysSoWhateverTheClockIsSetTo) {
+  constexpr memory::UnixMs k_hour = 3'600'000;
+  memory::UnixMs wall = 1'795'000'000'000;
+  Accounts clocked{*memory, [&wall] { return wall; }};
+  add_admin();
+  const auto login = clocked.log_in("ada", k_password, "web");
+  SUCCEEDS(login);
+  const std::string token = (*login)->token;
+  const auto lives = [&](const Accounts& accounts) {
+    const auto person = accounts.who_is(token);
+    SUCCEEDS(person);
+    return person->has_value();
+  };
+  wall += 11 * k_hour;
+  CHECK(lives(clocked));
+  // Seconds back, as a network's time does: nobody is thrown out.
+  wall -= 5000;
+  CHECK(lives(clocked));
+  wall += 2 * k_hour;
+  CHECK(!lives(clocked));
+  for (const memory::UnixMs back : {k_hour, 3 * k_hour, 12 * k_hour, 24 * 365 * k_hour}) {
+    wall -= back;
+    CHECK(!lives(clocked));
+  }
+  // A service that begins anew with a clock before the session's beginning does not know when it ends.
+  const Accounts later{*memory, [&wall] { return wall; }};
+  CHECK(!lives(later));
+  // And whoever logs in by the mended clock gets in.
+  const auto again = clocked.log_in("ada", k_password, "web");
+  SUCCEEDS(again);
+  const auto person = clocked.who_is((*again)->token);
+  SUCCEEDS(person);
+  CHECK(person->has_value());
+}
+
+TEST(Accounts, NobodyIsCalledAsAProgramOrTheCentre) {
+  for (const char* name : {"service", "guest", "fleet", "host"}) {
+    FAILS_NAMING(Errc::InvalidArgument, name, sut.add(name, Role::Administrator, k_password, "x", "web"));
+  }
+  SUCCEEDS(sut.add("hosts", Role::Administrator, k_password, "x", "web"));
+}
+
 }  // namespace biteline::accounts
