@@ -18,11 +18,23 @@ using net::redirect_error;
 using net::use_awaitable;
 
 constexpr std::size_t k_read_bytes = 4096;
+/// Beyond them a connection without a place is closed without a word.
+constexpr int k_most_turned_away = 32;
 
 /// What came is no HTTP, or too much of it; other faults are the connection's.
 bool is_fault_of_the_text(ErrorCode fault) {
   const ErrorCode of_http = http::error::end_of_stream;
   return fault && fault.category() == of_http.category() && fault != of_http;
+}
+
+/// A body whose end is not told in one known way: what stands behind it would be taken for another request.
+ErrorCode fault_of_body(const http::request<http::empty_body>& request) {
+  const std::size_t codings = request.count(http::field::transfer_encoding);
+  if (codings == 0) return {};
+  const bool chunked = codings == 1 && request.version() == 11 &&
+                       beast::iequals(request[http::field::transfer_encoding], "chunked");
+  if (!chunked) return http::error::bad_transfer_encoding;
+  return request.count(http::field::content_length) > 0 ? http::error::bad_content_length : ErrorCode{};
 }
 
 /// Its body is no message but a file.
@@ -34,15 +46,24 @@ bool is_upload(const http::request<http::empty_body>& request) {
 
 }  // namespace
 
-Connection::Connection(WebContext& context, Tcp::socket socket, std::string peer, bool local)
+Connection::Connection(WebContext& context, Tcp::socket socket, std::string peer, bool local,
+                       Places::Id place)
     : context_{context},
       stream_{std::move(socket), context.tls ? &*context.tls : nullptr},
       peer_{std::move(peer)},
-      local_{local} {}
+      local_{local},
+      place_{place} {
+  if (place_ != 0) context_.streams.emplace(place_, &stream_);
+}
+
+Connection::~Connection() {
+  context_.streams.erase(place_);
+  context_.places.leave(place_);
+}
 
 net::awaitable<void> Connection::run() {
   {
-    const Deadline deadline{stream_, context_.config.limits.request_time};
+    const Deadline deadline{stream_, context_.config.limits.first_time};
     if (co_await stream_.handshake()) co_return;
   }
   while (co_await one_request()) {
@@ -59,7 +80,7 @@ net::awaitable<bool> Connection::one_request() {
   ErrorCode fault;
   if (buffer_.size() == 0) {
     // The time of a request begins with its first byte.
-    const Deadline deadline{stream_, limits.idle_time};
+    const Deadline deadline{stream_, asked_before_ ? limits.idle_time : limits.first_time};
     const std::size_t got =
         co_await stream_.async_read_some(buffer_.prepare(k_read_bytes), redirect_error(use_awaitable, fault));
     if (fault) co_return false;
@@ -70,6 +91,7 @@ net::awaitable<bool> Connection::one_request() {
     // Ends with the request: an answer has limits of its own, and a WebSocket stays for as long as both want.
     const Deadline deadline{stream_, limits.request_time};
     co_await http::async_read_header(stream_, buffer_, head, redirect_error(use_awaitable, fault));
+    if (!fault) fault = fault_of_body(head.get());
     if (!fault && !is_upload(head.get())) {
       if (head.content_length().value_or(0) > limits.body_bytes) {
         fault = http::error::body_limit;
@@ -86,6 +108,8 @@ net::awaitable<bool> Connection::one_request() {
     co_return false;
   }
   if (fault) co_return false;
+  if (!asked_before_) context_.places.stand(place_, Places::Standing::Stranger);
+  asked_before_ = true;
   if (!parser) {
     ++context_.requests;
     co_await take_upload(head);
@@ -112,6 +136,8 @@ net::awaitable<void> Connection::refuse_unread(bool late, ErrorCode fault, std::
   } else if (fault == http::error::body_limit) {
     co_await send(error_answer(413, "too_large",
                                "the request's body has more than " + std::to_string(most_bytes) + " bytes"));
+  } else if (fault == http::error::bad_transfer_encoding) {
+    co_await send(error_answer(501, "bad_request", "Transfer-Encoding: chunked alone is known"));
   } else {
     co_await send(error_answer(400, "bad_request", "no HTTP/1.1 request: " + fault.message()));
   }
@@ -159,7 +185,7 @@ net::awaitable<void> Connection::linger() {
 net::awaitable<void> Connection::turn_away() {
   keep_alive_ = false;
   {
-    const Deadline deadline{stream_, context_.config.limits.request_time};
+    const Deadline deadline{stream_, context_.config.limits.first_time};
     if (co_await stream_.handshake()) co_return;
   }
   co_await send(error_answer(503, "too_busy", "too many connections: close some, then try again"));
@@ -174,26 +200,30 @@ net::awaitable<void> serve_connection(WebContext& context, Tcp::socket socket) {
   if (fault) co_return;
   socket.set_option(Tcp::no_delay{true}, fault);
   const std::string peer = remote.to_string();
-  int& of_peer = context.connections_of[peer];
-  const WebLimits& limits = context.config.limits;
-  const bool full = context.connections >= limits.connections || of_peer >= limits.connections_an_address;
-  ++context.connections;
-  ++of_peer;
+  const bool local = remote.is_loopback() || remote == own;
+  const std::optional<Places::Taken> place = context.places.take(peer, local);
+  if (place && place->gives_way) {
+    // Its own coroutine finds the socket closed, and ends.
+    if (const auto found = context.streams.find(*place->gives_way); found != context.streams.end())
+      found->second->next_layer().close(fault);
+  }
+  if (!place && context.turned_away >= k_most_turned_away) co_return;
+  const Places::Id id = place ? place->id : 0;
+  if (!place) ++context.turned_away;
   {
-    Connection connection{context, std::move(socket), peer, remote.is_loopback() || remote == own};
+    Connection connection{context, std::move(socket), peer, local, id};
     try {
-      if (full) {
-        co_await connection.turn_away();
-      } else {
+      if (place) {
         co_await connection.run();
+      } else {
+        co_await connection.turn_away();
       }
     } catch (const std::exception& /*error*/) {
       // Out of memory for this one client: it goes, the others stay.
       ++context.refused;
     }
   }
-  --context.connections;
-  if (--context.connections_of[peer] == 0) context.connections_of.erase(peer);
+  if (!place) --context.turned_away;
 }
 
 }  // namespace biteline::web

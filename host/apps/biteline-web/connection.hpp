@@ -18,8 +18,11 @@ namespace biteline::web {
 /// Thread: the event loop's.
 class Connection {
  public:
-  /// `peer`: its address; `local`: it is on this machine.
-  Connection(WebContext& context, Tcp::socket socket, std::string peer, bool local);
+  /// `peer`: its address; `local`: it is on this machine; `place`: 0: none, it is only to be turned away.
+  Connection(WebContext& context, Tcp::socket socket, std::string peer, bool local, Places::Id place);
+  Connection(const Connection&) = delete;
+  Connection& operator=(const Connection&) = delete;
+  ~Connection();
 
   [[nodiscard]] net::awaitable<void> run();
   /// 503, where there are too many already.
@@ -64,16 +67,25 @@ class Connection {
 
   /// What is wrong with the request before its address is looked at.
   [[nodiscard]] std::optional<WebAnswer> judge(const WebRequest& request) const;
+  /// Whether a page of this origin asks, as far as the program knows.
+  [[nodiscard]] bool origin_is_own(const WebRequest& request) const;
+  /// `of_page`: what is asked for is a file of the page, and no path of the API or beside it.
+  [[nodiscard]] std::optional<WebAnswer> judge_origin(const WebRequest& request, const Route* route,
+                                                      bool of_page) const;
+  /// The service knows this session: its place is its own.
+  void note_session(const control::Answer& given, const std::string& token);
   [[nodiscard]] bool is_local(const WebRequest& request) const;
-  [[nodiscard]] static std::string session_of(const WebRequest& request, Handling handling,
-                                              const std::map<std::string, std::string>& query);
+  [[nodiscard]] std::string session_of(const WebRequest& request, Handling handling,
+                                       const std::map<std::string, std::string>& query) const;
   [[nodiscard]] std::string cookie_text(const std::string& token, bool gone) const;
 
   WebContext& context_;
   WebStream stream_;
   std::string peer_;
   bool local_;
+  Places::Id place_;
   beast::flat_buffer buffer_;
+  bool asked_before_{false};  ///< a whole request has come
   bool keep_alive_{true};
   bool head_only_{false};
   bool upgraded_{false};

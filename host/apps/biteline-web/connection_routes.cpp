@@ -32,6 +32,11 @@ net::awaitable<void> Connection::answer(const WebRequest& request) {
     co_return;
   }
   const RouteMatch match = find_route(view(request.method_string()), *path);
+  const bool of_page = match.methods.empty() && !path->starts_with("/api/");
+  if (std::optional<WebAnswer> refusal = judge_origin(request, match.route, of_page)) {
+    co_await send(std::move(*refusal));
+    co_return;
+  }
   if (match.route != nullptr) {
     Asked asked{.match = match, .path = *path, .query = *query};
     co_await answer_route(request, std::move(asked));
@@ -70,19 +75,30 @@ std::optional<WebAnswer> Connection::judge(const WebRequest& request) const {
         421, "other_host",
         clean_text(host, 100) + ": not a name of this server; start it with --name NAME if it is");
   }
-  const bool origin_is_own = origin_allowed({.origin = view(request[http::field::origin]),
-                                             .fetch_site = view(request["Sec-Fetch-Site"]),
-                                             .host = host,
-                                             .tls = stream_.encrypted()});
-  // A Foxglove client is a page of another origin; it shows a token, which no foreign page has.
-  const bool foxglove = view(request.target()).starts_with("/foxglove?");
-  // A link on another page may lead to ours; what it loads then is of our own origin.
-  const bool navigation = request.method() == http::verb::get && request["Sec-Fetch-Mode"] == "navigate" &&
-                          !view(request.target()).starts_with("/api/");
-  if (!origin_is_own && !foxglove && !navigation) {
-    return error_answer(403, "origin_refused", "a page of another origin may not ask this server");
-  }
   return std::nullopt;
+}
+
+bool Connection::origin_is_own(const WebRequest& request) const {
+  return origin_allowed({.origin = view(request[http::field::origin]),
+                         .fetch_site = view(request["Sec-Fetch-Site"]),
+                         .host = view(request[http::field::host]),
+                         .tls = stream_.encrypted()});
+}
+
+std::optional<WebAnswer> Connection::judge_origin(const WebRequest& request, const Route* route,
+                                                  bool of_page) const {
+  if (origin_is_own(request)) return std::nullopt;
+  // A Foxglove client is a page of another origin; it shows a token, which no foreign page has.  The cookie
+  // of whoever sits there counts for nothing then (session_of()).
+  if (route != nullptr && route->handling == Handling::Foxglove) return std::nullopt;
+  // A link on another page may lead to ours; what it loads then is of our own origin.
+  if (of_page && request.method() == http::verb::get && request["Sec-Fetch-Mode"] == "navigate")
+    return std::nullopt;
+  return error_answer(403, "origin_refused", "a page of another origin may not ask this server");
+}
+
+void Connection::note_session(const control::Answer& given, const std::string& token) {
+  if (!token.empty() && given.status < 400) context_.places.stand(place_, Places::Standing::Known);
 }
 
 bool Connection::is_local(const WebRequest& request) const {
@@ -93,9 +109,13 @@ bool Connection::is_local(const WebRequest& request) const {
 }
 
 std::string Connection::session_of(const WebRequest& request, Handling handling,
-                                   const std::map<std::string, std::string>& query) {
-  std::string token = bearer_token(view(request[http::field::authorization]));
-  if (token.empty()) token = cookie_value(view(request[http::field::cookie]), k_cookie);
+                                   const std::map<std::string, std::string>& query) const {
+  std::string token;
+  // What a browser adds by itself is no word of a page of another origin.
+  if (origin_is_own(request)) {
+    token = bearer_token(view(request[http::field::authorization]));
+    if (token.empty()) token = cookie_value(view(request[http::field::cookie]), k_cookie);
+  }
   if (token.empty() && handling == Handling::Foxglove) {
     if (const auto given = query.find("token"); given != query.end()) token = given->second;
   }
@@ -124,6 +144,7 @@ net::awaitable<void> Connection::answer_route(const WebRequest& request, Asked a
     co_return;
   }
   const control::Answer who = co_await ask_who(context_, session, is_local(request));
+  note_session(who, session);
   if (who.status != 200) {
     co_await send(as_http(who, asked.path));
     co_return;
@@ -175,7 +196,9 @@ net::awaitable<void> Connection::forward(const WebRequest& request, Asked asked)
     co_await log_in(std::move(question));
     co_return;
   }
+  const std::string token = local_command ? std::string{} : question.token;
   const control::Answer given = co_await ask_service(context_, std::move(question));
+  note_session(given, token);
   if (!given.file.empty()) {
     std::string name;
     if (const auto named = asked.match.named.find("name"); named != asked.match.named.end())

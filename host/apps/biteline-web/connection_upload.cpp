@@ -38,6 +38,7 @@ net::awaitable<void> Connection::take_upload(HeadParser& head) {
   const std::size_t mark = target.find('?');
   const auto query = decode_query(mark == std::string_view::npos ? "" : target.substr(mark + 1));
   std::optional<WebAnswer> refusal = judge(request);
+  if (!refusal) refusal = judge_origin(request, nullptr, false);
   const std::string session = session_of(request, Handling::Upload, {});
   if (!refusal && session.empty()) refusal = login_needed();
   if (!refusal && !query) refusal = error_answer(400, "bad_request", "the address cannot be read");
@@ -105,6 +106,7 @@ net::awaitable<void> Connection::pass_on(Upload& upload) {
     upload.question.body["last"] = upload.parser.is_done();
     at += got;
     given = co_await ask_service(context_, upload.question);
+    note_session(given, upload.question.token);
     if (given.status >= 400 && at > got) co_await give_up(upload.question);
     if (given.status == 401 || given.status == 403) {
       keep_alive_ = false;

@@ -133,7 +133,10 @@ std::string host_name(std::string_view host) {
     name = host.substr(0, colon);
     port = host.substr(colon);
   }
-  if (!port.empty() && (port.front() != ':' || !whole_number(port.substr(1)))) return {};
+  if (!port.empty()) {
+    const auto number = port.front() == ':' ? whole_number(port.substr(1)) : std::nullopt;
+    if (!number || *number < 1 || *number > 65535) return {};
+  }
   return lower(name);
 }
 

@@ -14,7 +14,9 @@
 #include "host/apps/biteline-web/live_feed.hpp"
 #include "host/apps/biteline-web/login_limit.hpp"
 #include "host/apps/biteline-web/metrics.hpp"
+#include "host/apps/biteline-web/places.hpp"
 #include "host/apps/biteline-web/web_server.hpp"
+#include "host/apps/biteline-web/web_stream.hpp"
 
 namespace biteline::web {
 
@@ -27,12 +29,13 @@ struct WebContext {
   LiveFeed feed;
   LoginLimit login_limit;
   std::filesystem::path results;  ///< empty until the service has said it
-  std::map<std::string, int> connections_of;
+  Places places{0, 0, 0};
+  std::map<Places::Id, WebStream*> streams;  ///< of who has a place
+  int turned_away{0};                        ///< who are being told that there is none
   std::uint64_t requests{0};
   std::uint64_t refused{0};
   std::uint64_t forwarded{0};
   std::uint64_t host_away{0};
-  int connections{0};
   std::atomic<int> watchers{0};  ///< of the live data; read by others, too
 
   [[nodiscard]] ServerCounts counts();

@@ -51,7 +51,7 @@ ServerCounts WebContext::counts() {
           .refused = refused,
           .forwarded = forwarded,
           .host_away = host_away,
-          .connections = connections,
+          .connections = places.count(),
           .watchers = feed.watchers(),
           .listeners = feed.listeners(),
           .pictures = feed.published(LiveKind::Picture),
@@ -73,6 +73,8 @@ struct WebServer::State {
 
 Result<void> WebServer::State::open(const WebConfig& config, std::unique_ptr<ServiceDoor> door) {
   context.config = config;
+  const WebLimits& limits = config.limits;
+  context.places = Places{limits.connections, limits.connections_an_address, limits.kept_for_local};
   context.door = std::move(door);
   ErrorCode fault;
   const net::ip::address address = net::ip::make_address(config.address, fault);

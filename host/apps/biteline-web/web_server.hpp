@@ -23,10 +23,12 @@ struct WebLimits {
   std::uint64_t upload_bytes{256U << 20U};          ///< of a model's file; the service takes no more, too
   std::chrono::milliseconds request_time{10'000};   ///< from its first byte to its last; a piece of a file
   std::chrono::milliseconds answer_time{60'000};    ///< for the client to take one piece of the answer
+  std::chrono::milliseconds first_time{5'000};      ///< to the first byte of all, TLS included
   std::chrono::milliseconds idle_time{60'000};      ///< between two requests
   std::chrono::milliseconds session_check{10'000};  ///< how often a WebSocket's session is looked at again
   int connections{256};
   int connections_an_address{128};
+  int kept_for_local{16};  ///< beyond `connections`, for this machine's own
 };
 
 struct TlsFiles {

@@ -46,7 +46,7 @@ TEST(WebLimits, AWatcherStaysLongerThanARequestMayTake) {
 }
 
 TEST(WebLimits, MoreConnectionsThanAllowedAreTurnedAway) {
-  const RunningServer sut{{.connections = 4}};
+  const RunningServer sut{{.connections = 4, .kept_for_local = 0}};
   std::vector<WebClient> held;
   for (int i = 0; i < 4; ++i) {
     held.push_back(sut.client());
@@ -56,6 +56,86 @@ TEST(WebLimits, MoreConnectionsThanAllowedAreTurnedAway) {
   held.clear();
   // The server sees their end when its loop comes to it.
   for (int i = 0; i < 1000 && sut.get("/api/v1/state").status != 200; ++i) std::this_thread::yield();
+  sut.check_alive();
+}
+
+TEST(WebLimits, SilentConnectionsShutNobodyOut) {
+  const RunningServer sut{{.connections = 16, .connections_an_address = 8}};
+  for (const std::string& begin :
+       {std::string{}, std::string{"G"}, std::string{"POST /api/v1/commands/stop HTTP/1.1\r\nHost: local"},
+        std::string{"POST /api/v1/control HTTP/1.1\r\nHost: localhost\r\nContent-Length: 900\r\n\r\n{"}}) {
+    std::vector<WebClient> held;
+    for (int i = 0; i < 40; ++i) {
+      held.push_back(sut.client());
+      held.back().send(begin);
+    }
+    LONGS_EQUAL(200, sut.client().ask("POST", "/api/v1/commands/stop").status);
+    sut.check_alive();
+  }
+}
+
+TEST(WebLimits, WhoAsksWithoutASessionAndStaysShutsNobodyOut) {
+  const RunningServer sut{{.connections = 16, .connections_an_address = 8}};
+  WebClient session = sut.client();
+  LONGS_EQUAL(200, session.ask("GET", "/api/v1/state", k_session).status);
+  std::vector<WebClient> held;
+  for (int i = 0; i < 40; ++i) {
+    held.push_back(sut.client());
+    LONGS_EQUAL(200, held.back().ask("GET", "/", "Authorization: Bearer made-up\r\n").status);
+  }
+  LONGS_EQUAL(200, sut.client().ask("POST", "/api/v1/commands/stop").status);
+  // Who has logged in keeps the connection all the while.
+  LONGS_EQUAL(200, session.ask("GET", "/api/v1/state", k_session).status);
+}
+
+TEST(WebLimits, ThisMachinesStopFindsRoomAmongSessions) {
+  const RunningServer sut{{.connections = 8}};
+  std::vector<WebClient> held;
+  for (int i = 0; i < 8; ++i) {
+    held.push_back(sut.client());
+    LONGS_EQUAL(101, held.back().upgrade("/api/v1/events", k_session).status);
+  }
+  LONGS_EQUAL(200, sut.client().ask("POST", "/api/v1/commands/stop").status);
+  for (WebClient& one : held) CHECK(!one.readable(0));
+}
+
+TEST(WebLimits, WhoSaysNothingIsEndedSoon) {
+  const RunningServer sut{{.first_time = std::chrono::milliseconds{200}}};
+  WebClient silent = sut.client();
+  LONGS_EQUAL(0, silent.receive().status);
+  // Between two requests there is more time.
+  WebClient slow = sut.client();
+  LONGS_EQUAL(200, slow.ask("GET", "/api/v1/state", k_session).status);
+  std::this_thread::sleep_for(std::chrono::milliseconds{600});
+  LONGS_EQUAL(200, slow.ask("GET", "/api/v1/state", k_session).status);
+}
+
+TEST(WebLimits, ABodyWhoseEndIsNotToldInAKnownWayIsRefusedAndTheConnectionEnds) {
+  const RunningServer sut;
+  const std::string smuggled = "GET /api/v1/state HTTP/1.1\r\nHost: localhost\r\n" + k_session + "\r\n";
+  for (const char* coding :
+       {"Transfer-Encoding: xchunked\r\n", "Transfer-Encoding: gzip\r\n",
+        "Transfer-Encoding: gzip, chunked\r\n", "Transfer-Encoding: chunked, identity\r\n",
+        "Transfer-Encoding: identity\r\n", "Transfer-Encoding:\r\n",
+        "Transfer-Encoding: chunked\r\nTransfer-Encoding: x\r\n", "Transfer-Encoding: \"chunked\"\r\n",
+        "Transfer-Encoding: chunked\r\nContent-Length: 4\r\n",
+        "Content-Length: 4\r\nTransfer-Encoding: chunked\r\n", "Content-Length: 4\r\nContent-Length: 5\r\n",
+        "Content-Length: -1\r\n"}) {
+    WebClient client = sut.client();
+    client.send(std::string{"POST /api/v1/commands/stop HTTP/1.1\r\nHost: localhost\r\n"} + coding + "\r\n" +
+                smuggled);
+    const WebReply first = client.receive();
+    CHECK_TEXT(first.status == 400 || first.status == 501, coding);
+    LONGS_EQUAL_TEXT(0, client.receive().status, coding);
+  }
+  WebClient old = sut.client();
+  old.send(
+      "POST /api/v1/commands/stop HTTP/1.0\r\nHost: localhost\r\nTransfer-Encoding: "
+      "chunked\r\n\r\n0\r\n\r\n" +
+      smuggled);
+  CHECK(old.receive().status >= 400);
+  LONGS_EQUAL(0, old.receive().status);
+  LONGS_EQUAL(0, sut.asked());
   sut.check_alive();
 }
 
@@ -150,7 +230,9 @@ TEST(WebLimits, TenThousandGarbledRequestsHarmNothing) {
     // Nothing more comes: what is cut off is given up at once and not after the time limit.
     shutdown(client.fd(), SHUT_WR);
     const WebReply reply = client.receive();
-    CHECK_TEXT(reply.status == 0 || (reply.status >= 101 && reply.status < 500), text.c_str());
+    // 501: a Transfer-Encoding that is not known.
+    CHECK_TEXT(reply.status == 0 || (reply.status >= 101 && reply.status < 500) || reply.status == 501,
+               text.c_str());
     if (reply.status >= 400) ++refused;
   }
   CHECK(refused > 1000);

@@ -127,6 +127,49 @@ TEST(WebServer, OtherHostsAndOriginsAreRefused) {
       sut.client().ask("POST", "/api/v1/commands/start", k_session + "Origin: http://localhost\r\n").status);
 }
 
+TEST(WebServer, AnotherOriginGetsNothingByACookie) {
+  const RunningServer sut;
+  const std::string cookie = "Cookie: biteline_session=viewer-token\r\n";
+  for (const char* origin :
+       {"Origin: http://localhost:9999\r\nSec-Fetch-Site: same-site\r\n", "Origin: http://evil.example\r\n",
+        "Origin: null\r\n", "Sec-Fetch-Site: same-site\r\n",
+        "Origin: http://localhost:9999\r\nSec-Fetch-Mode: navigate\r\n", "Origin: https://localhost\r\n"}) {
+    for (const char* path : {"/foxglove", "/foxglove?x", "/foxglove?x=1", "/foxglove?token=", "/%66oxglove?x",
+                             "/api/v1/live", "/api/v1/live?x", "/api/v1/events", "/metrics", "/metrics?x"}) {
+      const WebReply reply = sut.client().upgrade(path, cookie + origin);
+      CHECK_TEXT(reply.status == 401 || reply.status == 403, path);
+    }
+    for (const char* path : {"/api/v1/state", "/metrics", "/api/v1/scans/scan-0001/files/line.csv",
+                             "/foxglove", "/api/v1/openapi.yaml"}) {
+      const WebReply reply = sut.get(path, cookie + origin);
+      CHECK_TEXT(reply.status == 401 || reply.status == 403, path);
+    }
+    // The token in the address is what a Foxglove client shows.
+    LONGS_EQUAL_TEXT(101, sut.client().upgrade("/foxglove?token=viewer-token", origin).status, origin);
+    CHECK(sut.client().upgrade("/foxglove?token=made-up", cookie + origin).status == 401);
+    CHECK(sut.client().upgrade("/foxglove", k_session + origin).status == 401);
+  }
+  // Of its own origin the cookie counts, and a link from elsewhere leads to the page.
+  LONGS_EQUAL(101, sut.client().upgrade("/foxglove", cookie + "Origin: http://localhost\r\n").status);
+  LONGS_EQUAL(200, sut.get("/", "Sec-Fetch-Site: cross-site\r\nSec-Fetch-Mode: navigate\r\n").status);
+}
+
+TEST(WebServer, AHostWithAPortThatIsNoneIsRefused) {
+  const RunningServer sut;
+  for (const char* host :
+       {"localhost:99999999", "localhost:65536", "localhost:0", "localhost:", "localhost:-1", "localhost:80x",
+        "localhost:8080:1", "[::1]:99999", "[::1]x", "[::1"}) {
+    WebClient client = sut.client();
+    client.send(std::string{"GET /api/v1/state HTTP/1.1\r\n"} + k_session + "Host: " + host + "\r\n\r\n");
+    check_refused(421, "other_host", client.receive());
+  }
+  for (const char* host : {"localhost", "localhost:8080", "LOCALHOST:65535", "127.0.0.1:1", "[::1]:443"}) {
+    WebClient client = sut.client();
+    client.send(std::string{"GET /api/v1/state HTTP/1.1\r\n"} + k_session + "Host: " + host + "\r\n\r\n");
+    LONGS_EQUAL_TEXT(200, client.receive().status, host);
+  }
+}
+
 TEST(WebServer, FilesComeWholeInPartsAndNeverFromElsewhere) {
   const RunningServer sut;
   const std::string file = "/api/v1/scans/scan-0001/files/line.csv";
