@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "host/apps/biteline-host/cockpit.hpp"
 
+#include <sys/stat.h>
+
 #include <algorithm>
 #include <utility>
 
+#include "host/doors/accounts/secrets.hpp"
 #include "host/records/mounted/mounted_record.hpp"
+#include "host/records/report/report.hpp"
 
 namespace biteline::service {
 namespace {
@@ -46,23 +50,37 @@ Cockpit::~Cockpit() {
   if (reruns_) reruns_->end();
 }
 
+Result<std::string> Cockpit::make_line_token() const {
+  // With keys the control end knows who comes in; without jobs there is nothing that a line could command.
+  if (config_.keys || config_.jobs.empty()) return std::string{};
+  BITELINE_ASSIGN(const std::string token, accounts::make_token());
+  const mode_t before = ::umask(0077);
+  const Result<void> written =
+      report::write_file_atomically(config_.results / line_control::k_token_file, token + "\n");
+  ::umask(before);
+  if (!written) return tl::unexpected<Error>{written.error()};
+  return token;
+}
+
 Result<void> Cockpit::listen() {
+  BITELINE_ASSIGN(std::string line_token, make_line_token());
   const api::Stock own = stock_of(std::nullopt, config_.stock);
-  api_ = std::make_unique<api::Api>(
-      api::Rooms{.memory = memory_,
-                 .accounts = accounts_,
-                 .cell = *this,
-                 .results = config_.results,
-                 .processes = own.processes,
-                 .models = own.models,
-                 .exchange = api::Exchange{config_.results / ".exchange"},
-                 .version = BITELINE_VERSION,
-                 .publish =
-                     [this](const std::string& name, Json data) {
-                       if (server_) server_->publish(name, std::move(data));
-                     },
-                 .last_seq = [this] { return server_ ? server_->last_seq() : 0; },
-                 .stock = [folders = config_.stock] { return stock_now(folders); }});
+  api_ =
+      std::make_unique<api::Api>(api::Rooms{.memory = memory_,
+                                            .accounts = accounts_,
+                                            .cell = *this,
+                                            .results = config_.results,
+                                            .processes = own.processes,
+                                            .models = own.models,
+                                            .exchange = api::Exchange{config_.results / ".exchange"},
+                                            .version = BITELINE_VERSION,
+                                            .publish =
+                                                [this](const std::string& name, Json data) {
+                                                  if (server_) server_->publish(name, std::move(data));
+                                                },
+                                            .last_seq = [this] { return server_ ? server_->last_seq() : 0; },
+                                            .stock = [folders = config_.stock] { return stock_now(folders); },
+                                            .line_token = std::move(line_token)});
   reruns_ = std::make_unique<RerunWorker>(RerunRoom{.results = config_.results,
                                                     .stock = config_.stock,
                                                     .arm = config_.rerun_arm,

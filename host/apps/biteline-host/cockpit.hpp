@@ -168,6 +168,8 @@ class Cockpit final : public api::Cell {
  private:
   Cockpit(CockpitConfig config, memory::Memory memory);
   [[nodiscard]] Result<void> listen();
+  /// For the service's user alone, in the folder of results; empty: none is asked for.
+  [[nodiscard]] Result<std::string> make_line_token() const;
   void publish_state();
   [[nodiscard]] api::Json state_locked() const;
   /// What waits for a person, and for what; null: nothing.

@@ -30,6 +30,8 @@ struct Rooms {
   std::function<void(const std::string&, Json)> publish;  ///< an event for all doors
   std::function<std::uint64_t()> last_seq;
   std::function<Result<Stock>()> stock{};  ///< what scans are worked with now; none: the cell's own
+  /// Who commands as a line's door shows it; empty: the control end's keys say who comes in.
+  std::string line_token{};
 };
 
 /// A request with the person behind it.
@@ -80,6 +82,8 @@ class Api {
   [[nodiscard]] control::Answer choose_job(const Call& call);
   [[nodiscard]] control::Answer start_for_line(const Call& call);
   [[nodiscard]] control::Answer list_scans(const Call& call);
+  /// For commands: besides, it is a door that was opened, and no program that calls itself one.
+  [[nodiscard]] std::optional<control::Answer> closed_to_commands(const Call& call);
   [[nodiscard]] control::Answer read_scan(const Call& call);
   [[nodiscard]] control::Answer accept(const Call& call);
   [[nodiscard]] control::Answer reject(const Call& call);

@@ -55,10 +55,19 @@ std::optional<Answer> Api::closed_to_line(const Call& call) {
 Answer Api::stop_for_line(const control::Request& request) {
   if (!is_line_door(request.door))
     return control::refusal(404, "not_found", "this path is for --modbus and --text of biteline-web alone");
-  // Whoever may start may stop, also where scans are not for the line's control to start.
+  // Whoever may start may stop, also where scans are not for the line's control to start, and without a
+  // token.
   rooms_.cell.stop("the line's control");
   stop_log_.add(line_event(request.door, "stop", ""));
   return line_answer(Refusal::None);
+}
+
+std::optional<Answer> Api::closed_to_commands(const Call& call) {
+  if (std::optional<Answer> closed = closed_to_line(call)) return closed;
+  if (rooms_.line_token.empty() || call.request.token == rooms_.line_token) return std::nullopt;
+  return control::refusal(
+      403, "not_allowed",
+      "no door of the line's control: biteline-web reads its token in the results' folder");
 }
 
 Answer Api::read_line(const Call& call) {
@@ -67,7 +76,7 @@ Answer Api::read_line(const Call& call) {
 }
 
 Answer Api::choose_job(const Call& call) {
-  if (std::optional<Answer> closed = closed_to_line(call)) return *closed;
+  if (std::optional<Answer> closed = closed_to_commands(call)) return *closed;
   const std::optional<int> number = one_number(call.request.body, "job");
   if (!number) return line_answer(Refusal::BadRequest);
   const std::optional<Job> job = rooms_.cell.job_of(*number);
@@ -89,7 +98,7 @@ Answer Api::choose_job(const Call& call) {
 }
 
 Answer Api::start_for_line(const Call& call) {
-  if (std::optional<Answer> closed = closed_to_line(call)) return *closed;
+  if (std::optional<Answer> closed = closed_to_commands(call)) return *closed;
   const std::optional<int> request = one_number(call.request.body, "request");
   if (!request) return line_answer(Refusal::BadRequest);
   const Cell::LineStart start =

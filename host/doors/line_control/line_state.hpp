@@ -11,6 +11,9 @@
 
 namespace biteline::line_control {
 
+/// In the folder of results, for the service's user alone: which program is a door of the line's control.
+inline constexpr const char* k_token_file = ".line.token";
+
 /// What the cell is about.  Numbers are the doors'; they stay as they are once released, here and below.
 enum class Step {
   Away = 0,  ///< the service does not answer

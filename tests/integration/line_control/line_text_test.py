@@ -135,8 +135,14 @@ def the_line_stops_and_a_person_starts_again(cell, peer):
 
 
 def bad_peers_hurt_nobody(cell, peer):
-    for line in ("HELLO", "", "JOB", "JOB -1", "JOB 1 2", "START 99999", "STATE ", "STOP 1", "stop", "start 3", "JOB 1;START 3"):
+    for line in ("", "JOB", "JOB -1", "JOB 1 2", "START 99999", "STATE ", "STOP 1", "JOB 1;START 3"):
         assert peer.ask(line) == [BAD_REQUEST], line
+    # What is no word of this protocol may be another one: told, and ended before the next line is read.
+    for line in ("HELLO", "start 3", "POST / HTTP/1.1\r\nHost: x\r\n\r\nJOB 1\nSTART 77"):
+        stranger = TextPeer(cell.text_port)
+        stranger.socket.sendall(line.encode() + b"\n")
+        assert stranger.ended(), line
+    assert peer.state()["taken"] != 77
     long = TextPeer(cell.text_port)
     long.socket.sendall(b"S" * 200)
     assert long.ended()
@@ -147,6 +153,7 @@ def bad_peers_hurt_nobody(cell, peer):
     slow = TextPeer(cell.text_port)
     slow.socket.sendall(b"ST")
     begin = time.monotonic()
+    assert slow.ended() and time.monotonic() - begin >= 4
     crowd = [TextPeer(cell.text_port) for _ in range(40)]
     served = []
     for one in crowd:
@@ -155,11 +162,11 @@ def bad_peers_hurt_nobody(cell, peer):
                 served.append(one)
         except OSError:
             pass
-    assert 1 <= len(served) <= 14, len(served)
+    # Whoever comes later takes the place of one that asks nothing.
+    assert 1 <= len(served) <= 16, len(served)
     assert peer.state()["map"] == 1, "who was there before is served"
     for one in crowd:
         one.socket.close()
-    assert slow.ended() and time.monotonic() - begin >= 4
     # The door notices one after the other that the crowd has gone.
     later = None
 

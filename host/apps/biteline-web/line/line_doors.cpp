@@ -12,12 +12,16 @@
 #include <array>
 #include <atomic>
 #include <cerrno>
+#include <cstdio>
 #include <deque>
+#include <filesystem>
 #include <map>
 #include <mutex>
 #include <thread>
+#include <tuple>
 #include <utility>
 
+#include "common/system/file.hpp"
 #include "host/apps/biteline-web/line/line_talk.hpp"
 #include "host/doors/control/poll.hpp"
 
@@ -35,6 +39,9 @@ constexpr milliseconds k_between_beats{1000};
 /// A state that is older is none.
 constexpr milliseconds k_state_lives{2000};
 constexpr int k_backlog = 16;
+constexpr std::size_t k_most_token_bytes = 256;
+/// For so long after a request a peer counts as at work: a control reads some times a second.
+constexpr milliseconds k_at_work{5000};
 
 struct Address {
   sockaddr_storage storage{};
@@ -105,6 +112,8 @@ struct Pending {
 
 struct Peer {
   Socket socket;
+  std::string address;
+  bool asked{false};  ///< a whole request has come
   std::vector<std::uint8_t> in;
   Clock::time_point last_request;
   Clock::time_point first_byte;  ///< of what stands in `in`
@@ -168,6 +177,7 @@ struct LineDoors::State {
   static constexpr std::size_t k_nobody = 98;  ///< the answer is for nobody
   std::mutex mutex{};
   std::vector<Mail> mail{};
+  std::string token{};  ///< of the service that said hello last
   std::atomic<bool> stop{false};
   std::unique_ptr<ServiceDoor> service{};  // its callbacks use the rest
   std::thread thread{};
@@ -177,12 +187,15 @@ struct LineDoors::State {
   Result<void> listen(Door& door, const LineListener& at, const char* option);
   void run();
   void wait();
+  void hear(const control::Event& event);
   void ask(std::size_t door, std::uint64_t peer, control::Request request);
   void ask_state(Clock::time_point now);
   void take_mail();
   void take_state(const control::Answer& answer);
   void take_answer(Door& door, std::size_t index, std::uint64_t id, const control::Answer& answer);
   void accept(Door& door, Clock::time_point now);
+  /// Ends a peer that asks nothing.  False: all are at work.
+  [[nodiscard]] static bool make_room(Door& door, Clock::time_point now);
   /// False: the connection ends, here and below.
   [[nodiscard]] bool read(std::size_t index, std::uint64_t id, Peer& peer, Clock::time_point now);
   [[nodiscard]] bool serve(std::size_t index, std::uint64_t id, Peer& peer, Clock::time_point now);
@@ -219,7 +232,26 @@ Result<void> LineDoors::State::listen(Door& door, const LineListener& at, const 
   return {};
 }
 
+void LineDoors::State::hear(const control::Event& event) {
+  if (event.name != "hello") return;
+  const auto results = event.data.find("results");
+  if (results == event.data.end() || !results->is_string()) return;
+  const std::filesystem::path file =
+      std::filesystem::path{results->get<std::string>()} / line_control::k_token_file;
+  // None where the service has no jobs, or knows this program by its keys.
+  const Result<std::string> text = read_regular_file(file, k_most_token_bytes);
+  if (!text && text.error().code != Errc::FileNotFound)
+    std::fprintf(stderr, "biteline-web: %s: a line's starts are refused; run as the service's user\n",
+                 to_line(text.error()).c_str());
+  const std::lock_guard lock{mutex};
+  token = text ? text->substr(0, text->find('\n')) : std::string{};
+}
+
 void LineDoors::State::ask(std::size_t door, std::uint64_t peer, control::Request request) {
+  {
+    const std::lock_guard lock{mutex};
+    request.token = token;
+  }
   service->ask(std::move(request), [this, door, peer](control::Answer answer) {
     {
       const std::lock_guard lock{mutex};
@@ -297,13 +329,35 @@ void LineDoors::State::accept(Door& door, Clock::time_point now) {
       if (errno == EMFILE || errno == ENFILE) std::this_thread::sleep_for(milliseconds{50});
       return;
     }
-    const bool known = allowed.empty() || std::ranges::find(allowed, text_of(from)) != allowed.end();
-    const bool room = std::ssize(door.peers) < config.limits.peers;
-    if (!known || !room) continue;  // turned away: the socket closes here
-    door.peers.emplace(
-        next_peer++,
-        Peer{.socket = std::move(socket), .in = {}, .last_request = now, .first_byte = now, .pending = {}});
+    std::string address = text_of(from);
+    if (!allowed.empty() && std::ranges::find(allowed, address) == allowed.end()) continue;  // turned away
+    if (std::ssize(door.peers) >= config.limits.peers && !make_room(door, now)) continue;
+    door.peers.emplace(next_peer++, Peer{.socket = std::move(socket),
+                                         .address = std::move(address),
+                                         .in = {},
+                                         .last_request = now,
+                                         .first_byte = now,
+                                         .pending = {}});
   }
+}
+
+bool LineDoors::State::make_room(Door& door, Clock::time_point now) {
+  std::map<std::string, int> of_address;
+  for (const auto& [id, peer] : door.peers) ++of_address[peer.address];
+  auto chosen = door.peers.end();
+  for (auto one = door.peers.begin(); one != door.peers.end(); ++one) {
+    const Peer& peer = one->second;
+    const bool at_work = peer.pending || (peer.asked && now - peer.last_request < k_at_work);
+    if (at_work) continue;
+    // Who never asked goes first, then whose address has the most, then who has been silent longest.
+    const auto weight = [&](const Peer& of) {
+      return std::tuple{!of.asked, of_address[of.address], now - of.last_request};
+    };
+    if (chosen == door.peers.end() || weight(peer) > weight(chosen->second)) chosen = one;
+  }
+  if (chosen == door.peers.end()) return false;
+  door.peers.erase(chosen);
+  return true;
 }
 
 bool LineDoors::State::read(std::size_t index, std::uint64_t id, Peer& peer, Clock::time_point now) {
@@ -326,6 +380,8 @@ bool LineDoors::State::serve(std::size_t index, std::uint64_t id, Peer& peer, Cl
     if (cut.used == 0) return peer.in.size() < k_most_request_bytes;
     peer.in.erase(peer.in.begin(), peer.in.begin() + static_cast<std::ptrdiff_t>(cut.used));
     peer.last_request = peer.first_byte = now;
+    peer.asked = peer.asked || cut.command.fault == 0;
+    if (cut.last) return static_cast<void>(answer(door, peer, cut.command)), false;
     const bool commands =
         cut.command.fault == 0 && (cut.command.job || cut.command.start || cut.command.stop);
     if (!commands) {
@@ -479,6 +535,7 @@ Result<std::unique_ptr<LineDoors>> LineDoors::open(const LineDoorsConfig& config
   if (!config.modbus && !config.text) return fail(Errc::InvalidArgument, "--modbus or --text expected");
   state->service = std::move(service);
   State* const running = state.get();
+  running->service->listen([running](const control::Event& event) { running->hear(event); });
   state->thread = std::thread{[running] { running->run(); }};
   return std::unique_ptr<LineDoors>{new LineDoors{std::move(state)}};
 }

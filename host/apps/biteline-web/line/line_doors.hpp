@@ -23,7 +23,7 @@ struct LineListener {
 
 /// What peers may take of the doors.
 struct LineLimits {
-  int peers{16};                                  ///< of each door; more are turned away
+  int peers{16};  ///< of each door; for more, one that asks nothing must go, or they are turned away
   std::chrono::milliseconds request_time{5'000};  ///< from a request's first byte to its last
   std::chrono::milliseconds idle_time{60'000};    ///< without a request
 };

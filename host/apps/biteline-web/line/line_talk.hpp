@@ -29,6 +29,7 @@ struct LineCut {
   std::size_t used{0};   ///< 0: more must come
   bool garbled{false};   ///< no request of this protocol: the connection ends
   bool farewell{false};  ///< the peer is done
+  bool last{false};      ///< it is answered, and then the connection ends
   LineCommand command{};
 };
 

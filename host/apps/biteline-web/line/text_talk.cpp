@@ -13,6 +13,7 @@ namespace {
 using line_control::Refusal;
 
 constexpr std::size_t k_most_line_bytes = 64;
+constexpr std::array<std::string_view, 5> k_words{"STATE", "JOB", "START", "STOP", "BYE"};
 
 /// " 17" as 17.
 std::optional<int> number_behind(std::string_view line, std::string_view word) {
@@ -25,6 +26,26 @@ std::optional<int> number_behind(std::string_view line, std::string_view word) {
   if (error != std::errc{} || at != line.data() + line.size() || number < 0 || number > 65535)
     return std::nullopt;
   return number;
+}
+
+/// Letters, digits and the like: a TLS hello or another program's bytes are none.
+bool is_text(std::string_view line) {
+  return std::ranges::all_of(line, [](unsigned char c) { return (c >= ' ' && c < 127) || c == '\t'; });
+}
+
+/// The beginning of a line that may become one of this protocol.
+bool may_become_one(std::string_view line) {
+  const auto fits = [line](std::string_view word) {
+    if (line.size() <= word.size()) return word.starts_with(line);
+    return line.starts_with(word) && (line[word.size()] == ' ' || line[word.size()] == '\t');
+  };
+  return is_text(line) && std::ranges::any_of(k_words, fits);
+}
+
+/// Its first word is one of this protocol, whatever stands behind it.
+bool is_one(std::string_view line) {
+  const std::string_view first = line.substr(0, line.find_first_of(" \t"));
+  return line.empty() || (is_text(line) && std::ranges::find(k_words, first) != k_words.end());
 }
 
 std::string line_of(std::span<const std::uint16_t> numbers) {
@@ -49,12 +70,23 @@ class TextTalk final : public LineTalk {
       cut.garbled = true;
       return cut;
     }
-    if (end == bytes.end()) return cut;
+    if (end == bytes.end()) {
+      // A browser, TLS, a scanner: what it sends behind its own first line must never be read as one of ours.
+      std::string_view begun{reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+      if (begun.ends_with('\r')) begun.remove_suffix(1);
+      cut.garbled = !may_become_one(begun);
+      return cut;
+    }
     cut.used = length + 1;
     cut.command.bytes.assign(bytes.begin(), end);
     std::string_view line{reinterpret_cast<const char*>(bytes.data()), length};
     if (line.ends_with('\r')) line.remove_suffix(1);
-    if (line == "BYE") {
+    if (!is_text(line)) {
+      cut.garbled = true;
+    } else if (!is_one(line)) {
+      cut.command.fault = static_cast<int>(Refusal::BadRequest);
+      cut.last = true;
+    } else if (line == "BYE") {
       cut.farewell = true;
     } else if (line == "STOP") {
       cut.command.stop = true;
