@@ -76,8 +76,8 @@ Result<void> add_by_service(const AddUserRequest& request, const std::string& pa
   std::string words = "no words";
   if (answer.body.is_object() && answer.body.contains("error"))
     words = answer.body["error"].value("message", words);
-  return fail(answer.status == 401 || answer.status == 403 ? Errc::NoRights : Errc::PeerRefused,
-              "biteline-host at %s: %s", request.control->text().c_str(), clean_text(words, 180).c_str());
+  return fail(Errc::PeerRefused, "biteline-host at %s: %s", request.control->text().c_str(),
+              clean_text(words, 180).c_str());
 }
 
 }  // namespace

@@ -37,7 +37,8 @@ Answer nothing() {
 }
 
 Answer answer_of(const Error& error) {
-  const std::string line = to_line(error);
+  // Who may not, is told so by its own words: those of the code are of a sensor's threads.
+  const std::string line = error.code == Errc::NoRights ? std::string{error.where.view()} : to_line(error);
   switch (error.code) {
     case Errc::FileNotFound:
       return control::refusal(404, "not_found", line);

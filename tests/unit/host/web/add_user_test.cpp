@@ -68,7 +68,8 @@ TEST(AddUser, ARunningServiceIsAsked) {
   CHECK(asked.local);
   CHECK(asked.token.empty());
   status = 403;
-  FAILS_NAMING(Errc::NoRights, "an administrator makes the next", add_user(request, "correct horse"));
+  FAILS_NAMING(Errc::PeerRefused, "an administrator makes the next", add_user(request, "correct horse"));
+  CHECK(to_line(add_user(request, "correct horse").error()).find("real time") == std::string::npos);
 }
 
 }  // namespace biteline::web
