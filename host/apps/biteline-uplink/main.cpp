@@ -25,6 +25,9 @@ using Delivery = fleet::Broker::Delivery;
 constexpr const char* k_program = "biteline-uplink";
 
 constexpr milliseconds k_turn{100};
+/// In the folder of results, beside what the centre says.
+constexpr const char* k_sparkplug_count = "sparkplug.count";
+
 /// How long after its end a shoe is sent, at most.
 constexpr milliseconds k_between_looks{200};
 constexpr milliseconds k_between_words{5000};
@@ -84,6 +87,7 @@ class Cell {
     if (!options_.sparkplug.empty()) {
       broker.client = "biteline-sparkplug-" + options_.cell;
       sparkplug_ = std::make_unique<fleet::sparkplug::Line>(
+      const std::filesystem::path count = options_.results / k_sparkplug_count;
           broker, fleet::sparkplug::Node{options_.sparkplug, options_.cell, BITELINE_VERSION});
     }
     return {};

@@ -1,10 +1,16 @@
 // SPDX-License-Identifier: MIT
 #include "host/fleet/sparkplug/line.hpp"
 
+#include <charconv>
+
+#include "common/system/file.hpp"
+#include "host/records/report/report.hpp"
+
 namespace biteline::fleet::sparkplug {
 namespace {
 
 constexpr std::chrono::milliseconds k_between_lines{1000};
+constexpr std::size_t k_most_count_bytes = 16;
 
 }  // namespace
 
@@ -12,9 +18,21 @@ Line::~Line() {
   if (broker_ && born_) broker_->publish(node_.topic("NDEATH"), node_.death(), Broker::Delivery::AtMostOnce);
 }
 
+std::uint8_t Line::last_line(const std::filesystem::path& count) {
+  constexpr std::uint8_t k_none = 255;
+  const Result<std::string> text = read_regular_file(count, k_most_count_bytes);
+  std::uint8_t number = k_none;
+  if (!text) return k_none;
+  const auto [end, error] = std::from_chars(text->data(), text->data() + text->size(), number);
+  return error == std::errc{} ? number : k_none;
+}
+
 Result<void> Line::open() {
   tried_ = std::chrono::steady_clock::now();
   node_.begin_line();
+  // Before the line begins: one that is killed meanwhile has used its number up.  Where it cannot be kept,
+  // the line is worth more than its number.
+  static_cast<void>(report::write_file_atomically(count_, std::to_string(int{node_.line()}) + "\n"));
   config_.subscriptions = {node_.topic("NCMD")};
   config_.will_topic = node_.topic("NDEATH");
   config_.will = node_.death();

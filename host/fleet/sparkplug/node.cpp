@@ -22,8 +22,8 @@ constexpr int k_most_command_bytes = 64 * 1024;
 
 }  // namespace
 
-Node::Node(std::string group, std::string cell, std::string version)
-    : group_{std::move(group)}, cell_{std::move(cell)}, version_{std::move(version)} {}
+Node::Node(std::string group, std::string cell, std::string version, std::uint8_t last_line)
+    : group_{std::move(group)}, cell_{std::move(cell)}, version_{std::move(version)}, line_{last_line} {}
 
 void Node::begin_line() {
   ++line_;

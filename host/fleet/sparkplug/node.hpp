@@ -26,11 +26,13 @@ struct CellState {
 /// Thread: one owner.
 class Node {
  public:
-  /// Names as is_cell_name() takes them.
-  Node(std::string group, std::string cell, std::string version);
+  /// Names as is_cell_name() takes them.  `last_line`: the number of the line before, also of a program that
+  /// was killed; 255: none.
+  Node(std::string group, std::string cell, std::string version, std::uint8_t last_line = 255);
 
   /// The next line is about to be opened: its death has the next number.
   void begin_line();
+  [[nodiscard]] std::uint8_t line() const { return line_; }
   [[nodiscard]] std::string topic(std::string_view kind) const;  ///< NBIRTH, NDEATH, NDATA, NCMD
   [[nodiscard]] std::string death() const;
   /// All metrics; hosts know nothing before.
@@ -61,8 +63,8 @@ class Node {
   [[nodiscard]] std::uint64_t next_seq();
 
   std::string group_, cell_, version_;
-  std::uint8_t line_{255};  ///< bdSeq; the first line is 0
-  std::uint8_t seq_{0};     ///< of the next payload
+  std::uint8_t line_;    ///< bdSeq; 255 is followed by 0
+  std::uint8_t seq_{0};  ///< of the next payload
   All told_;
 };
 

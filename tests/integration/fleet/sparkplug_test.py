@@ -105,7 +105,9 @@ def main():
         factory.kill(CELL)  # the broker tells it
         assert comes_true(lambda: host.of("NDEATH"), "a death by the broker")
         factory.start(CELL)
-        comes_true(lambda: host.of("NBIRTH")[2:], "the birth of the next line")
+        later = comes_true(lambda: host.of("NBIRTH")[2:], "the birth of the next line")[0]
+        # A death of the line before that comes late is never this line's.
+        assert value(later, "bdSeq") == (value(birth, "bdSeq") + 1) % 256, (birth, later)
         factory.running.pop(CELL).end(signal.SIGTERM)  # in order: it tells it itself
         comes_true(lambda: host.of("NDEATH")[1:], "a death in order")
         check_order(host.heard())

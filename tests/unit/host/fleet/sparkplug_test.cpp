@@ -4,8 +4,10 @@
 
 #include <limits>
 
+#include "host/fleet/sparkplug/line.hpp"
 #include "host/fleet/sparkplug/node.hpp"
 #include "sparkplug/payload.pb.h"
+#include "tests/support/temporary_folder.hpp"
 
 namespace biteline::fleet::sparkplug {
 
@@ -51,6 +53,22 @@ TEST(Sparkplug, BirthAndDeathOfALineHaveOneNumberAndTheNextLineTheNext) {
     LONGS_EQUAL(line % 256, metric_of(birth, "bdSeq").long_value());
     LONGS_EQUAL(0, birth.seq());
   }
+}
+
+TEST(Sparkplug, NumbersGoOnAfterAProgramThatWasKilled) {
+  const test::TemporaryFolder folder;
+  const auto file = folder.path() / "sparkplug.count";
+  LONGS_EQUAL(255, Line::last_line(file));
+  for (const auto& [text, expected] :
+       {std::pair{"7\n", 7}, std::pair{"0\n", 0}, std::pair{"255\n", 255}, std::pair{"", 255},
+        std::pair{"x", 255}, std::pair{"300\n", 255}, std::pair{"-1\n", 255}}) {
+    folder.write("sparkplug.count", text);
+    LONGS_EQUAL_TEXT(expected, Line::last_line(file), text);
+  }
+  Node later{"plant-1", "cell-7", "1.2.3", 7};
+  later.begin_line();
+  LONGS_EQUAL(8, metric_of(read(later.death()), "bdSeq").long_value());
+  LONGS_EQUAL(8, metric_of(read(later.birth(state, 5)), "bdSeq").long_value());
 }
 
 TEST(Sparkplug, BirthNamesEveryMetricWithItsTypeAndWhatIsNotKnownAsNull) {
