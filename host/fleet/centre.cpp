@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "common/core/text.hpp"
+#include "common/core/text_bounds.hpp"
 #include "common/system/file.hpp"
 #include "host/fleet/centre_state.hpp"
 
@@ -53,32 +54,129 @@ std::optional<std::string> array_of(const std::optional<memory::Places>& places)
 
 constexpr const char* k_put_shoe = R"sql(
 INSERT INTO shoes (cell, book, scan, first_seq, last_seq, time, model, verdict, reason_code, reason, length_mm,
-  confidence, u95_mm, cycle_s, process, decision, sent, followed, places, release)
+  confidence, u95_mm, cycle_s, process, decision, sent, followed, places, release, stub)
 VALUES ($1, $2, $3, $4, $4, to_timestamp($5::bigint / 1000.0), $6, $7, $8, $9, $10, $11, $12, $13, $14, $15, $16, $17,
-  $18::real[], $19)
+  $18::real[], $19, $20)
 ON CONFLICT (cell, book, scan) DO UPDATE SET last_seq = excluded.last_seq, time = excluded.time,
   model = excluded.model, verdict = excluded.verdict, reason_code = excluded.reason_code, reason = excluded.reason,
   length_mm = excluded.length_mm, confidence = excluded.confidence, u95_mm = excluded.u95_mm,
   cycle_s = excluded.cycle_s, process = excluded.process, decision = excluded.decision, sent = excluded.sent,
-  followed = excluded.followed, places = excluded.places, release = excluded.release
+  followed = excluded.followed, places = excluded.places, release = excluded.release, stub = excluded.stub
 )sql";
+/// Their reasons, for so many of a cell; the rows themselves stay.
+constexpr int k_most_dead_letters = 1000;
+constexpr int k_most_books_a_day = 24;
 
-/// Where a cell's book stands; the row is locked to the transaction's end.
-std::int64_t position(pqxx::work& work, const std::string& cell, const std::string& book) {
-  work.exec_params("INSERT INTO books (cell, book, seq) VALUES ($1, $2, 0) ON CONFLICT DO NOTHING", cell,
-                   book);
-  return work.exec_params1("SELECT seq FROM books WHERE cell = $1 AND book = $2 FOR UPDATE", cell, book)[0]
-      .as<std::int64_t>();
+int books_of_a_day(pqxx::work& work, const std::string& cell) {
+  return work
+      .exec_params1("SELECT count(*) FROM books WHERE cell = $1 AND begun > now() - interval '1 day'",
+                    cell)[0]
+      .as<int>();
 }
 
-void put(pqxx::work& work, const FromCell& one) {
+/// Where a cell's book stands; the row is locked to the transaction's end.  Nothing: the cell has begun too
+/// many books.
+std::optional<std::int64_t> position(pqxx::work& work, const std::string& cell, const std::string& book) {
+  constexpr const char* k_look = "SELECT seq FROM books WHERE cell = $1 AND book = $2 FOR UPDATE";
+  if (const pqxx::result known = work.exec_params(k_look, cell, book); !known.empty())
+    return known[0][0].as<std::int64_t>();
+  if (books_of_a_day(work, cell) >= k_most_books_a_day) return std::nullopt;
+  work.exec_params("INSERT INTO books (cell, book, seq) VALUES ($1, $2, 0) ON CONFLICT DO NOTHING", cell,
+                   book);
+  return work.exec_params1(k_look, cell, book)[0].as<std::int64_t>();
+}
+
+void put_dead_letter(pqxx::transaction_base& work, const FromCell& one) {
+  work.exec_params0(
+      "INSERT INTO dead_letters (cell, book, seq, scan, why) VALUES ($1, $2, $3, $4, $5) "
+      "ON CONFLICT (cell, book, seq) DO UPDATE SET why = excluded.why",
+      one.cell, one.shoe.book, one.shoe.seq, text_of(one.shoe.scan.name), text_of(one.shoe.fault));
+  work.exec_params0(
+      "DELETE FROM dead_letters WHERE cell = $1 AND id <= (SELECT id FROM dead_letters WHERE cell = $1 "
+      "ORDER BY id DESC OFFSET $2 LIMIT 1)",
+      one.cell, k_most_dead_letters);
+}
+
+void put(pqxx::transaction_base& work, const FromCell& one) {
   const ShoeMessage& shoe = one.shoe;
   const memory::Scan& scan = shoe.scan;
   work.exec_params(k_put_shoe, one.cell, shoe.book, text_of(scan.name), shoe.seq, scan.time,
                    text_of(scan.model), text_of(scan.verdict), text_of(scan.reason_code),
                    text_of(scan.reason), scan.length_mm, scan.confidence, scan.u95_mm, scan.cycle_s,
                    text_of(scan.process), text_of(scan.decision), scan.sent, scan.followed.value_or(false),
-                   array_of(shoe.places), text_of(shoe.release));
+                   array_of(shoe.places), text_of(shoe.release), !shoe.fault.empty());
+  if (!shoe.fault.empty()) put_dead_letter(work, one);
+}
+
+/// A row that the database itself refuses is put without its content: neither its cell's nor any other's line
+/// stands still for it.
+void put_whatever_it_is(pqxx::work& work, const FromCell& one) {
+  std::string why;
+  try {
+    pqxx::subtransaction part{work};
+    put(part, one);
+    part.commit();
+    return;
+  } catch (const pqxx::broken_connection&) {
+    throw;
+  } catch (const pqxx::sql_error& error) {
+    why = "the database refuses it: " + clean_text(error.what(), bounds::k_word);
+  }
+  put(work, {.cell = one.cell, .shoe = bare_of(one.shoe, why)});
+}
+
+/// What a cell is told of its book.
+CommittedMessage word_of(pqxx::work& work, const std::string& cell, const std::string& book,
+                         std::int64_t seq) {
+  CommittedMessage word{.book = book, .seq = seq};
+  word.dead =
+      work.exec_params1("SELECT count(*) FROM dead_letters WHERE cell = $1 AND book = $2", cell, book)[0]
+          .as<std::int64_t>();
+  if (word.dead == 0) return word;
+  for (const pqxx::row& row : work.exec_params(
+           "SELECT seq, scan, why FROM (SELECT * FROM dead_letters WHERE cell = $1 AND book = $2 "
+           "ORDER BY seq DESC LIMIT $3) AS newest ORDER BY seq",
+           cell, book, static_cast<int>(k_most_letters_told)))
+    word.letters.push_back({.seq = row[0].as<std::int64_t>(),
+                            .scan = row[1].as<std::string>(),
+                            .why = row[2].as<std::string>()});
+  return word;
+}
+
+CommittedMessage too_many_books(const std::string& book) {
+  return {.book = book,
+          .seq = 0,
+          .held = "more than " + std::to_string(k_most_books_a_day) +
+                  " new memories of this cell in a day: its shoes are taken tomorrow"};
+}
+
+template <class Put>
+std::vector<CommittedOf> commit_all(pqxx::connection& connection, const std::vector<FromCell>& shoes,
+                                    const Put& put_one) {
+  // Locks are taken in one order, so that two centres cannot wait for each other.
+  std::vector<std::pair<std::string, std::string>> books;
+  for (const FromCell& one : shoes) books.emplace_back(one.cell, one.shoe.book);
+  std::ranges::sort(books);
+  books.erase(std::ranges::unique(books).begin(), books.end());
+  pqxx::work work{connection};
+  std::vector<CommittedOf> committed;
+  for (const auto& [cell, book] : books) {
+    const std::optional<std::int64_t> stands = position(work, cell, book);
+    if (!stands) {
+      committed.push_back({.cell = cell, .to = too_many_books(book)});
+      continue;
+    }
+    std::int64_t seq = *stands;
+    for (const FromCell& one : shoes) {
+      if (one.cell != cell || one.shoe.book != book || one.shoe.after != seq) continue;
+      put_one(work, one);
+      seq = one.shoe.seq;
+    }
+    work.exec_params0("UPDATE books SET seq = $3 WHERE cell = $1 AND book = $2", cell, book, seq);
+    committed.push_back({.cell = cell, .to = word_of(work, cell, book, seq)});
+  }
+  work.commit();
+  return committed;
 }
 
 }  // namespace
@@ -122,25 +220,14 @@ Result<Centre> Centre::open(const std::string& database, const fs::path& migrati
 
 Result<std::vector<CommittedOf>> Centre::commit(const std::vector<FromCell>& shoes) {
   return work<std::vector<CommittedOf>>([&](State& state) {
-    // Locks are taken in one order, so that two centres cannot wait for each other.
-    std::vector<std::pair<std::string, std::string>> books;
-    for (const FromCell& one : shoes) books.emplace_back(one.cell, one.shoe.book);
-    std::ranges::sort(books);
-    books.erase(std::ranges::unique(books).begin(), books.end());
-    pqxx::work work{state.connection};
-    std::vector<CommittedOf> committed;
-    for (const auto& [cell, book] : books) {
-      std::int64_t seq = position(work, cell, book);
-      for (const FromCell& one : shoes) {
-        if (one.cell != cell || one.shoe.book != book || one.shoe.after != seq) continue;
-        put(work, one);
-        seq = one.shoe.seq;
-      }
-      work.exec_params0("UPDATE books SET seq = $3 WHERE cell = $1 AND book = $2", cell, book, seq);
-      committed.push_back({.cell = cell, .to = {.book = book, .seq = seq}});
+    try {
+      return commit_all(state.connection, shoes, put);
+    } catch (const pqxx::broken_connection&) {
+      throw;
+    } catch (const pqxx::sql_error&) {
+      // One of them cannot be put: once more, each by itself.
+      return commit_all(state.connection, shoes, put_whatever_it_is);
     }
-    work.commit();
-    return committed;
   });
 }
 
@@ -149,7 +236,8 @@ Result<CommittedMessage> Centre::committed(const std::string& cell, const std::s
     pqxx::work work{state.connection};
     const pqxx::result rows =
         work.exec_params("SELECT seq FROM books WHERE cell = $1 AND book = $2", cell, book);
-    return CommittedMessage{.book = book, .seq = rows.empty() ? 0 : rows[0][0].as<std::int64_t>()};
+    if (rows.empty() && books_of_a_day(work, cell) >= k_most_books_a_day) return too_many_books(book);
+    return word_of(work, cell, book, rows.empty() ? 0 : rows[0][0].as<std::int64_t>());
   });
 }
 

@@ -48,8 +48,8 @@ class Centre {
   ~Centre();
 
   /// All or nothing, in one transaction.  A shoe whose row before is not the last one of its cell is passed
-  /// over: it was committed already, or one before it is missing.  Returns where each cell that was named
-  /// stands.
+  /// over: it was committed already, or one before it is missing.  One with a fault is taken without what was
+  /// wrong, as a dead letter.  Returns where each cell that was named stands.
   [[nodiscard]] Result<std::vector<CommittedOf>> commit(const std::vector<FromCell>& shoes);
   [[nodiscard]] Result<CommittedMessage> committed(const std::string& cell, const std::string& book);
   [[nodiscard]] Result<void> note_health(const std::string& cell, const HealthMessage& health);

@@ -9,13 +9,14 @@
 #include <string_view>
 
 #include "common/core/result.hpp"
+#include "common/core/text_bounds.hpp"
 #include "host/doors/control/messages.hpp"
 
 namespace biteline::fleet {
 
 using control::Json;
 
-inline constexpr std::size_t k_most_text_bytes = 2000;
+inline constexpr std::size_t k_most_text_bytes = bounds::k_reason;
 inline constexpr std::int64_t k_most_number = 1LL << 53;
 
 /// Reads fields and remembers the first that is wrong.
@@ -61,9 +62,13 @@ class Fields {
   void fault(const char* key) {
     if (wrong_.empty()) wrong_ = key;
   }
+  /// Empty: nothing is wrong so far.
+  [[nodiscard]] std::string fault_words() const {
+    return wrong_.empty() ? std::string{} : wrong_ + " is missing or out of bounds";
+  }
   Result<void> finish() const {
     if (wrong_.empty()) return {};
-    return fail(Errc::ProtocolError, "%s: %s is missing or out of bounds", what_, wrong_.c_str());
+    return fail(Errc::ProtocolError, "%s: %s", what_, fault_words().c_str());
   }
 
  private:

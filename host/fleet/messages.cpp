@@ -2,7 +2,9 @@
 #include "host/fleet/messages.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
+#include <charconv>
 #include <cmath>
 
 #include "common/core/text.hpp"
@@ -13,8 +15,83 @@ namespace {
 
 constexpr std::string_view k_root = "biteline/1/cells/";
 
-Json or_null(const std::optional<double>& number) {
-  return number ? Json(*number) : Json{};
+constexpr double k_most_place_mm = 1e6;
+constexpr const char* k_unread = "unread";
+
+/// The texts of a shoe on their way, and how long each may be at both ends.
+struct TextField {
+  const char* key;
+  std::string memory::Scan::*text;
+  std::size_t most_bytes;
+};
+constexpr std::array k_texts{TextField{"model", &memory::Scan::model, bounds::k_title},
+                             TextField{"verdict", &memory::Scan::verdict, bounds::k_choice},
+                             TextField{"reason_code", &memory::Scan::reason_code, bounds::k_word},
+                             TextField{"reason", &memory::Scan::reason, bounds::k_reason},
+                             TextField{"process", &memory::Scan::process, bounds::k_title},
+                             TextField{"decision", &memory::Scan::decision, bounds::k_choice}};
+struct NumberField {
+  const char* key;
+  std::optional<double> memory::Scan::*number;
+};
+constexpr std::array k_numbers{
+    NumberField{"length_mm", &memory::Scan::length_mm}, NumberField{"confidence", &memory::Scan::confidence},
+    NumberField{"u95_mm", &memory::Scan::u95_mm}, NumberField{"cycle_s", &memory::Scan::cycle_s}};
+
+/// Of a row whose scan has no name that could be one.
+std::string name_of_row(std::int64_t seq) {
+  return "row-" + std::to_string(seq);
+}
+
+bool are_places(const memory::Places& places) {
+  return std::ranges::all_of(
+      places, [](float place) { return std::isfinite(place) && std::abs(place) <= k_most_place_mm; });
+}
+
+/// What stands behind `"key":` in a text that is no JSON; empty: nothing.
+std::string_view behind_key(std::string_view text, std::string_view key) {
+  const std::size_t at = text.find('"' + std::string{key} + '"');
+  if (at == std::string_view::npos) return {};
+  text.remove_prefix(at + key.size() + 2);
+  const std::size_t begin = text.find_first_not_of(" :");
+  return begin == std::string_view::npos ? std::string_view{} : text.substr(begin);
+}
+
+std::optional<std::int64_t> whole_behind(std::string_view text, std::string_view key) {
+  text = behind_key(text, key);
+  std::int64_t number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc{} || number < 0 || number > k_most_number) return std::nullopt;
+  return number;
+}
+
+/// A message that is no JSON, or too much of it: placed by its three numbers, without the rest.
+std::optional<ShoeMessage> placed_alone(std::string_view text) {
+  constexpr std::size_t k_head_bytes = 4096;  // they stand first
+  text = text.substr(0, k_head_bytes);
+  const std::string_view book = behind_key(text, "book");
+  const std::size_t end = book.starts_with('"') ? book.find('"', 1) : std::string_view::npos;
+  const auto seq = whole_behind(text, "seq"), after = whole_behind(text, "after");
+  if (end == std::string_view::npos || end == 1 || end > bounds::k_name + 1 || !seq || !after ||
+      *seq <= *after)
+    return std::nullopt;
+  ShoeMessage shoe;
+  shoe.book = clean_text(book.substr(1, end - 1));
+  shoe.seq = *seq;
+  shoe.after = *after;
+  shoe.scan.name = name_of_row(*seq);
+  shoe.fault = "no JSON that can be read";
+  return shoe;
+}
+
+/// What can be read is kept as it is; where the verdict is not, no other stands in for it.
+void mark_unread(ShoeMessage& shoe) {
+  memory::Scan& scan = shoe.scan;
+  if (scan.name.empty()) scan.name = name_of_row(shoe.seq);
+  if (scan.verdict.empty()) scan.verdict = k_unread;
+  if (scan.decision.empty()) scan.decision = "open";
+  if (scan.reason_code.empty()) scan.reason_code = "unread_row";
+  if (scan.reason.empty()) scan.reason = "the centre could not read all of this row: " + shoe.fault;
 }
 
 std::optional<memory::Places> read_places(Fields& reader) {
@@ -27,7 +104,7 @@ std::optional<memory::Places> read_places(Fields& reader) {
   }
   for (std::size_t i = 0; i < places.size(); ++i) {
     const Json& place = (*list)[i];
-    if (!place.is_number() || std::abs(place.get<double>()) > 1e6) {
+    if (!place.is_number() || !(std::abs(place.get<double>()) <= k_most_place_mm)) {
       reader.fault("places");
       return std::nullopt;
     }
@@ -42,6 +119,10 @@ bool is_cell_name(std::string_view name) {
   return !name.empty() && name.size() <= 64 && std::ranges::all_of(name, [](unsigned char letter) {
     return letter < 128 && (std::isalnum(letter) != 0 || letter == '-' || letter == '_');
   });
+}
+
+bool is_reserved_name(std::string_view name) {
+  return name == "fleet" || name == "host";
 }
 
 std::string topic_of(const std::string& cell, const char* kind) {
@@ -74,57 +155,72 @@ std::optional<std::string> cell_of(std::string_view topic, std::string_view kind
   return std::string{topic};
 }
 
+memory::Scan fitted(const memory::Scan& scan, std::int64_t seq) {
+  memory::Scan out = scan;
+  if (out.name.empty() || !bounds::fits(out.name, bounds::k_name)) out.name = name_of_row(seq);
+  out.time = std::clamp<memory::UnixMs>(out.time, 0, k_most_number);
+  for (const TextField& field : k_texts) out.*field.text = bounds::fitted(scan.*field.text, field.most_bytes);
+  for (const NumberField& field : k_numbers) {
+    if (out.*field.number && !std::isfinite(*(out.*field.number))) (out.*field.number).reset();
+  }
+  return out;
+}
+
 std::string to_text(const ShoeMessage& shoe) {
-  const memory::Scan& scan = shoe.scan;
+  const memory::Scan scan = fitted(shoe.scan, shoe.seq);
   Json json{{"book", shoe.book},
             {"seq", shoe.seq},
             {"after", shoe.after},
             {"scan", scan.name},
             {"time_ms", scan.time},
-            {"model", scan.model},
-            {"verdict", scan.verdict},
-            {"reason_code", scan.reason_code},
-            {"reason", clean_text(scan.reason, k_most_text_bytes)},
-            {"length_mm", or_null(scan.length_mm)},
-            {"confidence", or_null(scan.confidence)},
-            {"u95_mm", or_null(scan.u95_mm)},
-            {"cycle_s", or_null(scan.cycle_s)},
-            {"process", scan.process},
-            {"decision", scan.decision},
             {"sent", scan.sent},
             {"followed", scan.followed.value_or(false)},
-            {"release", shoe.release},
+            {"release", bounds::fitted(shoe.release, bounds::k_name)},
             {"places", nullptr}};
-  if (shoe.places) json["places"] = *shoe.places;
+  for (const TextField& field : k_texts) json[field.key] = scan.*field.text;
+  for (const NumberField& field : k_numbers)
+    json[field.key] = scan.*field.number ? Json(*(scan.*field.number)) : Json{};
+  if (shoe.places && are_places(*shoe.places)) json["places"] = *shoe.places;
   return dump(json);
+}
+
+ShoeMessage bare_of(const ShoeMessage& shoe, const std::string& why) {
+  ShoeMessage bare{.book = shoe.book, .seq = shoe.seq, .after = shoe.after, .scan = {}};
+  bare.scan.time = std::clamp<memory::UnixMs>(shoe.scan.time, 0, memory::now_ms());
+  bare.fault = why;
+  mark_unread(bare);
+  return bare;
 }
 
 Result<ShoeMessage> read_shoe(std::string_view text) {
   Fields reader{text, "shoe of a cell"};
+  if (!reader.fault_words().empty()) {
+    if (std::optional<ShoeMessage> alone = placed_alone(text)) {
+      mark_unread(*alone);
+      return std::move(*alone);
+    }
+  }
   ShoeMessage shoe;
-  shoe.book = reader.text("book", 64);
+  shoe.book = reader.text("book", bounds::k_name);
   shoe.seq = reader.whole("seq");
   shoe.after = reader.whole("after");
-  shoe.scan.name = reader.text("scan", 64);
+  if (shoe.seq <= shoe.after || shoe.book.empty()) reader.fault("seq, after or book");
+  BITELINE_TRY(reader.finish());
+  shoe.scan.name = reader.text("scan", bounds::k_name);
+  if (shoe.scan.name.empty()) reader.fault("scan");
   shoe.scan.time = reader.whole("time_ms");
-  shoe.scan.model = reader.text("model", 200);
-  shoe.scan.verdict = reader.text("verdict", 20);
-  shoe.scan.reason_code = reader.text("reason_code", 100);
-  shoe.scan.reason = reader.text("reason");
-  shoe.scan.length_mm = reader.number_if("length_mm");
-  shoe.scan.confidence = reader.number_if("confidence");
-  shoe.scan.u95_mm = reader.number_if("u95_mm");
-  shoe.scan.cycle_s = reader.number_if("cycle_s");
-  shoe.scan.process = reader.text("process", 200);
-  shoe.scan.decision = reader.text("decision", 20);
+  for (const TextField& field : k_texts) shoe.scan.*field.text = reader.text(field.key, field.most_bytes);
+  for (const NumberField& field : k_numbers) shoe.scan.*field.number = reader.number_if(field.key);
   shoe.scan.sent = reader.truth("sent");
   shoe.scan.followed = reader.truth("followed");
   // Cells of before there were releases do not say it.
-  if (reader.find("release") != nullptr) shoe.release = reader.text("release", 64);
+  if (reader.find("release") != nullptr) shoe.release = reader.text("release", bounds::k_name);
   shoe.places = read_places(reader);
-  if (shoe.seq <= shoe.after || shoe.scan.name.empty() || shoe.book.empty())
-    reader.fault("seq, scan or book");
-  BITELINE_TRY(reader.finish());
+  shoe.fault = reader.fault_words();
+  // A stub that the cell itself made: its row was sent often, and never taken.
+  if (shoe.fault.empty() && shoe.scan.verdict == k_unread)
+    shoe.fault = "sent in vain as it is, so without its content";
+  if (!shoe.fault.empty()) mark_unread(shoe);
   return shoe;
 }
 
@@ -138,20 +234,46 @@ std::string to_text(const HealthMessage& health) {
 Result<HealthMessage> read_health(std::string_view text) {
   Fields reader{text, "health of a cell"};
   HealthMessage health{.online = reader.truth("online"),
-                       .version = reader.text("version", 64),
-                       .book = reader.text("book", 64),
+                       .version = reader.text("version", bounds::k_name),
+                       .book = reader.text("book", bounds::k_name),
                        .waiting = reader.whole("waiting")};
   BITELINE_TRY(reader.finish());
   return health;
 }
 
 std::string to_text(const CommittedMessage& committed) {
-  return dump({{"book", committed.book}, {"seq", committed.seq}});
+  Json json{{"book", committed.book}, {"seq", committed.seq}};
+  if (committed.dead > 0) {
+    json["dead"] = committed.dead;
+    json["letters"] = Json::array();
+    for (const DeadLetter& letter : committed.letters)
+      json["letters"].push_back({{"seq", letter.seq},
+                                 {"scan", bounds::fitted(letter.scan, bounds::k_name)},
+                                 {"why", bounds::fitted(letter.why, bounds::k_title)}});
+  }
+  if (!committed.held.empty()) json["held"] = bounds::fitted(committed.held, bounds::k_title);
+  return dump(json);
 }
 
 Result<CommittedMessage> read_committed(std::string_view text) {
   Fields reader{text, "committed of a cell"};
-  CommittedMessage committed{.book = reader.text("book", 64), .seq = reader.whole("seq")};
+  CommittedMessage committed{.book = reader.text("book", bounds::k_name), .seq = reader.whole("seq")};
+  // A centre of before there were dead letters says nothing of them.
+  if (reader.find("dead") != nullptr) committed.dead = reader.whole("dead");
+  if (reader.find("held") != nullptr) committed.held = reader.text("held", bounds::k_title);
+  if (const Json* const letters = reader.find("letters"); letters != nullptr) {
+    if (!letters->is_array() || letters->size() > k_most_letters_told) {
+      reader.fault("letters");
+    } else {
+      for (const Json& one : *letters) {
+        Fields letter{dump(one), "letter"};
+        committed.letters.push_back({.seq = letter.whole("seq"),
+                                     .scan = letter.text("scan", bounds::k_name),
+                                     .why = letter.text("why", bounds::k_title)});
+        if (!letter.finish()) reader.fault("letters");
+      }
+    }
+  }
   BITELINE_TRY(reader.finish());
   return committed;
 }

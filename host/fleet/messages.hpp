@@ -14,6 +14,8 @@ namespace biteline::fleet {
 
 /// Letters, digits, '-' and '_', at most 64: it stands in topics and in the cell's certificate.
 [[nodiscard]] bool is_cell_name(std::string_view name);
+/// The centre's own name at the broker, and a Sparkplug host's: no cell's.
+[[nodiscard]] bool is_reserved_name(std::string_view name);
 
 inline constexpr const char* k_all_shoes = "biteline/1/cells/+/shoes";
 inline constexpr const char* k_all_health = "biteline/1/cells/+/health";
@@ -32,12 +34,21 @@ struct ShoeMessage {
   memory::Scan scan;
   std::optional<memory::Places> places{};
   std::string release{};  ///< SHA-256 of the release that it was worked with; empty: the cell's own files
+  /// At the centre: what of it could not be read; the rest stands, and the row goes on as a dead letter.
+  std::string fault{};
 };
 /// As the service wrote it beside the programs' versions.
 [[nodiscard]] std::string release_of(const memory::Scan& scan);
+/// Texts are cleaned and cut to their bounds with "...", numbers that are none are left out: whatever a
+/// memory holds, the centre can read it.
 [[nodiscard]] std::string to_text(const ShoeMessage& shoe);
-/// Errc::ProtocolError names the field; also for numbers that are not finite and texts beyond their bounds.
+/// No more of it than what places the row, and why: for one that is not taken as it is.
+[[nodiscard]] ShoeMessage bare_of(const ShoeMessage& shoe, const std::string& why);
+/// Errc::ProtocolError: it cannot be placed, for book, seq or after are missing.  What else is wrong stands
+/// in `fault`.
 [[nodiscard]] Result<ShoeMessage> read_shoe(std::string_view text);
+/// A row as it goes over the broker.
+[[nodiscard]] memory::Scan fitted(const memory::Scan& scan, std::int64_t seq);
 
 /// A cell's word that it lives; the broker says `online` false in its place when its line is cut.
 struct HealthMessage {
@@ -49,10 +60,22 @@ struct HealthMessage {
 [[nodiscard]] std::string to_text(const HealthMessage& health);
 [[nodiscard]] Result<HealthMessage> read_health(std::string_view text);
 
+/// A row that the centre could not read, and took without what was wrong.
+struct DeadLetter {
+  std::int64_t seq{0};
+  std::string scan;
+  std::string why;
+  bool operator==(const DeadLetter&) const = default;
+};
+inline constexpr std::size_t k_most_letters_told = 20;
+
 /// Up to here the centre has committed.
 struct CommittedMessage {
   std::string book;
   std::int64_t seq{0};
+  std::int64_t dead{0};               ///< rows of this book that were taken as dead letters
+  std::vector<DeadLetter> letters{};  ///< the newest of them, oldest first
+  std::string held{};                 ///< why rows are taken later; empty: they are not
 };
 [[nodiscard]] std::string to_text(const CommittedMessage& committed);
 [[nodiscard]] Result<CommittedMessage> read_committed(std::string_view text);

@@ -16,6 +16,8 @@ namespace biteline::fleet {
 inline constexpr int k_most_on_the_way = 100;
 /// Without a word of the centre for so long, all is sent again from where it stands.
 inline constexpr std::chrono::seconds k_patience{5};
+/// So often a row is sent as it is, while the centre answers and takes nothing.
+inline constexpr int k_most_in_vain = 6;
 
 /// Thread: one owner.
 class Uplink {
@@ -31,7 +33,9 @@ class Uplink {
   /// Rows above this are to be sent now; nothing: none.
   [[nodiscard]] std::optional<std::int64_t> next(Clock::time_point now);
   /// How many, at most.
-  [[nodiscard]] int room() const { return k_most_on_the_way - on_the_way_; }
+  [[nodiscard]] int room() const { return bare() ? 1 - on_the_way_ : k_most_on_the_way - on_the_way_; }
+  /// The next row was sent often and never taken, though the centre answers: it goes alone, and as a stub.
+  [[nodiscard]] bool bare() const { return in_vain_ >= k_most_in_vain; }
   void sent(std::int64_t seq, Clock::time_point now);
 
   /// Up to here the centre has all; 0: not known.
@@ -42,6 +46,8 @@ class Uplink {
   std::optional<std::int64_t> committed_;
   std::int64_t sent_{0};
   int on_the_way_{0};
+  int in_vain_{0};        ///< times that all was sent again, and nothing was taken
+  bool answered_{false};  ///< since it was sent
   Clock::time_point progress_{};
 };
 

@@ -14,8 +14,6 @@ using std::chrono::milliseconds;
 
 constexpr milliseconds k_turn{100};
 constexpr std::size_t k_most_at_once = 100;
-/// More than so many are dropped: their cells send them again.
-constexpr std::size_t k_most_waiting = 5000;
 constexpr milliseconds k_before_retry{1000};
 /// How old the metrics of the cells are, at most, and whose cell is odd.
 constexpr milliseconds k_between_counts{10'000};
@@ -134,23 +132,21 @@ void RunningCentre::hear(std::string_view topic, std::string_view text) {
     Result<ShoeMessage> shoe = read_shoe(text);
     if (!shoe) return say(*cell + ": " + to_line(shoe.error()));
     ++news_.taken;
-    if (shoes_.size() < k_most_waiting) shoes_.push_back({.cell = *cell, .shoe = std::move(*shoe)});
+    if (!shoe->fault.empty()) say(*cell + ": " + shoe->scan.name + ": " + shoe->fault + "; taken without it");
+    shoes_.put({.cell = *cell, .shoe = std::move(*shoe)}, Clock::now());
   } else if (const std::optional<std::string> speaker = cell_of(topic, "health")) {
     Result<HealthMessage> health = read_health(text);
     if (!health) return say(*speaker + ": " + to_line(health.error()));
-    if (health_.size() < k_most_waiting) health_.emplace_back(*speaker, std::move(*health));
+    if (health_.size() < k_most_cells_heard || health_.contains(*speaker))
+      health_.insert_or_assign(*speaker, std::move(*health));
   }
 }
 
 Result<void> RunningCentre::keep() {
-  for (std::size_t at = 0; at < shoes_.size(); at += k_most_at_once) {
-    const auto begin = shoes_.begin() + static_cast<std::ptrdiff_t>(at);
-    const auto end =
-        shoes_.begin() + static_cast<std::ptrdiff_t>(std::min(shoes_.size(), at + k_most_at_once));
-    BITELINE_ASSIGN(const std::vector<CommittedOf> committed, centre_->commit({begin, end}));
+  while (!shoes_.empty()) {
+    BITELINE_ASSIGN(const std::vector<CommittedOf> committed, centre_->commit(shoes_.take(k_most_at_once)));
     for (const CommittedOf& one : committed) tell(one.cell, one.to);
   }
-  shoes_.clear();
   for (const auto& [cell, health] : health_) {
     BITELINE_TRY(centre_->note_health(cell, health));
     if (!health.online) continue;
@@ -165,7 +161,8 @@ Result<void> RunningCentre::keep() {
   return recordings_.work(*centre_, publish, Clock::now());
 }
 
-void RunningCentre::tell(const std::string& cell, const CommittedMessage& committed) {
+void RunningCentre::tell(const std::string& cell, CommittedMessage committed) {
+  if (committed.held.empty()) committed.held = shoes_.held_words(cell, Clock::now());
   // Not kept by the broker: a word from before a database that was put back would be wrong.
   broker_->publish(committed_topic(cell), to_text(committed), Broker::Delivery::AtLeastOnce);
 }

@@ -3,6 +3,7 @@
 /// \file The centre at work: from the broker into the database, until it is told to stop.
 
 #include <chrono>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -15,6 +16,7 @@
 #include "host/apps/biteline-fleet/release_talk.hpp"
 #include "host/fleet/broker.hpp"
 #include "host/fleet/centre.hpp"
+#include "host/fleet/intake.hpp"
 
 namespace biteline::fleet {
 
@@ -38,15 +40,15 @@ class RunningCentre {
   void hear(std::string_view topic, std::string_view text);
   /// Into the database, and only then the cells are told.
   [[nodiscard]] Result<void> keep();
-  void tell(const std::string& cell, const CommittedMessage& committed);
+  void tell(const std::string& cell, CommittedMessage committed);
   /// What is told of a database that went away stays as it was, but for `database_up`.
   void show_metrics();
 
   const FleetOptions& options_;
   std::unique_ptr<Broker> broker_;
   std::optional<Centre> centre_;
-  std::vector<FromCell> shoes_;
-  std::vector<std::pair<std::string, HealthMessage>> health_;
+  Intake shoes_;
+  std::map<std::string, HealthMessage> health_;  ///< each cell's last word
   ReleaseTalk releases_;
   RecordingTalk recordings_;
   std::unique_ptr<MetricsDoor> metrics_;

@@ -14,6 +14,7 @@
 #include "host/fleet/release_keeper.hpp"
 #include "host/fleet/sparkplug/line.hpp"
 #include "host/fleet/uplink.hpp"
+#include "host/records/centre_word/centre_word.hpp"
 
 namespace {
 
@@ -24,10 +25,10 @@ using Delivery = fleet::Broker::Delivery;
 
 constexpr const char* k_program = "biteline-uplink";
 
-constexpr milliseconds k_turn{100};
 /// In the folder of results, beside what the centre says.
 constexpr const char* k_sparkplug_count = "sparkplug.count";
 
+constexpr milliseconds k_turn{100};
 /// How long after its end a shoe is sent, at most.
 constexpr milliseconds k_between_looks{200};
 constexpr milliseconds k_between_words{5000};
@@ -86,9 +87,12 @@ class Cell {
                         [this] { begin_line(); }));
     if (!options_.sparkplug.empty()) {
       broker.client = "biteline-sparkplug-" + options_.cell;
-      sparkplug_ = std::make_unique<fleet::sparkplug::Line>(
       const std::filesystem::path count = options_.results / k_sparkplug_count;
-          broker, fleet::sparkplug::Node{options_.sparkplug, options_.cell, BITELINE_VERSION});
+      sparkplug_ = std::make_unique<fleet::sparkplug::Line>(
+          broker,
+          fleet::sparkplug::Node{options_.sparkplug, options_.cell, BITELINE_VERSION,
+                                 fleet::sparkplug::Line::last_line(count)},
+          count);
     }
     return {};
   }
@@ -142,7 +146,7 @@ class Cell {
     told_book_ = part->book;
     told_ = part->rows.empty() ? told_.value_or(0) : part->rows.back().seq;
     for (memory::OutboxRow& row : part->rows) {
-      seen_.last = std::move(row.scan);
+      seen_.last = fleet::fitted(row.scan, row.seq);
       sparkplug_->show(seen_);
     }
     sparkplug_->show(seen_);
@@ -215,6 +219,26 @@ class Cell {
     if (!committed) return memory_.say(to_line(committed.error()));
     uplink_.hear(*committed, Clock::now());
     look_at_ = {};
+    tell_cell(*committed);
+  }
+
+  /// The service shows it to people: on the page, in the log.
+  void tell_cell(const fleet::CommittedMessage& committed) {
+    Result<centre_word::CentreWord> known = centre_word::read(options_.results);
+    centre_word::CentreWord word = known ? *known : centre_word::CentreWord{};
+    word.held = committed.held;
+    for (const fleet::DeadLetter& letter : committed.letters) {
+      if (word.add({.book = committed.book,
+                    .seq = letter.seq,
+                    .scan = letter.scan,
+                    .why = letter.why,
+                    .time = memory::to_iso(memory::now_ms())}))
+        std::fprintf(stderr, "biteline-uplink: %s: the centre could not read all of it: %s\n",
+                     letter.scan.c_str(), letter.why.c_str());
+    }
+    if (known && word == *known) return;
+    const Result<void> written = centre_word::write(options_.results, word);
+    cell_words_.say(written ? "" : to_line(written.error()));
   }
 
   void open_outbox() {
@@ -245,12 +269,13 @@ class Cell {
     const Result<memory::OutboxPart> part = outbox_->after(*from, uplink_.room());
     if (!part) return memory_.say(to_line(part.error()));
     for (const memory::OutboxRow& row : part->rows) {
-      const fleet::ShoeMessage shoe{.book = part->book,
-                                    .seq = row.seq,
-                                    .after = row.after,
-                                    .scan = row.scan,
-                                    .places = row.places,
-                                    .release = fleet::release_of(row.scan)};
+      fleet::ShoeMessage shoe{.book = part->book,
+                              .seq = row.seq,
+                              .after = row.after,
+                              .scan = row.scan,
+                              .places = row.places,
+                              .release = fleet::release_of(row.scan)};
+      if (uplink_.bare()) shoe = fleet::bare_of(shoe, "the centre did not take it as it is");
       if (!broker_->publish(fleet::shoes_topic(options_.cell), fleet::to_text(shoe), Delivery::AtLeastOnce))
         return;
       uplink_.sent(row.seq, now);
@@ -268,7 +293,7 @@ class Cell {
   std::string told_book_;
   std::optional<fleet::ReleaseKeeper> releases_;
   fleet::RecordingGiver giver_;
-  Complaints line_, memory_, sparkplug_words_, release_words_, fetch_words_;
+  Complaints line_, memory_, sparkplug_words_, release_words_, fetch_words_, cell_words_;
   Clock::time_point speak_at_{}, look_at_{};
 };
 
@@ -297,8 +322,9 @@ int run(int argc, char** argv) {
                "Stop when the program that started this one ends");
   if (const std::optional<options::Leave> leave = app.parse(argc, argv))
     return leave->fault.empty() ? 0 : complain(leave->fault + " (see --help)", ExitStatus::BadInput);
-  if (!fleet::is_cell_name(options.cell))
-    return complain("--cell: letters, digits, - and _ expected, at most 64", ExitStatus::BadInput);
+  if (!fleet::is_cell_name(options.cell) || fleet::is_reserved_name(options.cell))
+    return complain("--cell: letters, digits, - and _ expected, at most 64, not 'fleet' or 'host'",
+                    ExitStatus::BadInput);
   if (!options.sparkplug.empty() && !fleet::is_cell_name(options.sparkplug))
     return complain("--sparkplug: letters, digits, - and _ expected, at most 64", ExitStatus::BadInput);
   if (options.exit_with_parent) prctl(PR_SET_PDEATHSIG, SIGTERM);

@@ -3,6 +3,8 @@
 
 #include <CppUTest/TestHarness.h>
 
+#include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "tests/support/errors.hpp"
@@ -52,24 +54,148 @@ TEST(FleetMessages, TextThatIsNoUtf8IsSentCleaned) {
   SUCCEEDS(read_shoe(to_text(shoe)));
 }
 
-TEST(FleetMessages, FaultNamesTheField) {
+TEST(FleetMessages, WhateverAMemoryHoldsTheCentreReadsItWhole) {
+  const std::string odd[] = {"",
+                             std::string(300, 'p'),
+                             std::string(100'000, 'p'),
+                             "two\nlines\r\n",
+                             "\x1b[31mred\x1b[0m",
+                             "</script><img src=x>",
+                             "bad \xff\xfe byte",
+                             "cut \xC3",
+                             std::string{"a\0b", 3},
+                             std::string(70'000, '\xff')};
+  const double numbers[] = {std::nan(""), HUGE_VAL, -HUGE_VAL, 1e308, -0.0};
+  for (const std::string& text : odd) {
+    for (const double number : numbers) {
+      ShoeMessage shoe = made();
+      memory::Scan& scan = shoe.scan;
+      for (std::string* one : {&scan.name, &scan.model, &scan.verdict, &scan.reason_code, &scan.reason,
+                               &scan.process, &scan.decision, &shoe.release})
+        *one = text;
+      scan.length_mm = scan.confidence = scan.u95_mm = scan.cycle_s = number;
+      scan.time = std::isinf(number) ? std::numeric_limits<std::int64_t>::max() : -1;
+      shoe.places->at(3) = std::isinf(number) ? HUGE_VALF : std::nanf("");
+      const std::string sent = to_text(shoe);
+      CHECK(sent.size() < 8000);
+      const auto back = read_shoe(sent);
+      SUCCEEDS(back);
+      STRCMP_EQUAL("", back->fault.c_str());
+      CHECK(!back->scan.name.empty());
+    }
+  }
+}
+
+TEST(FleetMessages, WhatIsCutSaysSo) {
+  ShoeMessage shoe = made();
+  shoe.scan.process = std::string(300, 'p');
+  const auto back = read_shoe(to_text(shoe));
+  SUCCEEDS(back);
+  LONGS_EQUAL(200, back->scan.process.size());
+  CHECK(back->scan.process.ends_with("..."));
+}
+
+TEST(FleetMessages, FaultNamesTheFieldAndTheRestStands) {
   const Json sound = Json::parse(to_text(made()));
   for (const auto& [key, value] : sound.items()) {
-    Json spoiled = sound;
-    spoiled[key] = Json::array({1});
-    const auto read = read_shoe(test::text_of(spoiled));
-    CHECK_TEXT(!read, key.c_str());
-    STRCMP_CONTAINS(key.c_str(), to_line(read.error()).c_str());
+    for (const bool missing : {false, true}) {
+      Json spoiled = sound;
+      spoiled[key] = Json::array({1});
+      if (missing) spoiled.erase(key);
+      const auto read = read_shoe(test::text_of(spoiled));
+      if (key == "book" || key == "seq" || key == "after") {
+        CHECK_TEXT(!read, key.c_str());
+        STRCMP_CONTAINS(key.c_str(), to_line(read.error()).c_str());
+        continue;
+      }
+      SUCCEEDS(read);
+      // Older cells name no release.
+      const bool older =
+          missing && (key == "release" || key == "places" || value.is_null() || value.is_number_float());
+      if (!older) STRCMP_CONTAINS(key.c_str(), read->fault.c_str());
+      LONGS_EQUAL(8, read->seq);
+      LONGS_EQUAL(7, read->after);
+      if (key != "reason") STRCMP_EQUAL(made().scan.reason.c_str(), read->scan.reason.c_str());
+      if (key != "model") STRCMP_EQUAL("boot", read->scan.model.c_str());
+      CHECK(!read->scan.verdict.empty());
+      CHECK(!read->scan.decision.empty());
+    }
   }
   for (const auto& [key, value] :
-       {std::pair{"seq", Json(7)}, std::pair{"seq", Json(-1)}, std::pair{"scan", Json("")},
-        std::pair{"model", Json(std::string(300, 'x'))}, std::pair{"length_mm", Json("1")},
+       {std::pair{"scan", Json("")}, std::pair{"model", Json(std::string(300, 'x'))},
+        std::pair{"process", Json(std::string(100'000, 'x'))}, std::pair{"length_mm", Json("1")},
         std::pair{"places", Json::array({1, 2})}}) {
+    Json spoiled = sound;
+    spoiled[key] = value;
+    const auto read = read_shoe(test::text_of(spoiled));
+    SUCCEEDS(read);
+    STRCMP_CONTAINS(key, read->fault.c_str());
+  }
+  for (const auto& [key, value] :
+       {std::pair{"seq", Json(7)}, std::pair{"seq", Json(-1)}, std::pair{"book", Json("")}}) {
     Json spoiled = sound;
     spoiled[key] = value;
     CHECK_TEXT(!read_shoe(test::text_of(spoiled)), key);
   }
   for (const char* text : {"", "{", "[]", "null", "{\"seq\":1e99}"}) CHECK_TEXT(!read_shoe(text), text);
+}
+
+TEST(FleetMessages, WhatIsNoJsonIsPlacedByItsNumbers) {
+  const std::string sound = to_text(made());
+  const auto with = [&](const std::string& from, const std::string& to) {
+    std::string text = sound;
+    return text.replace(text.find(from), from.size(), to);
+  };
+  const std::string deep(2000, '[');
+  for (const std::string& text :
+       {with("801.25", "NaN"), with("boot", "bo\xffot"), with("boot", "bo\not"),
+        with("boot", std::string(600'000, 'x')), with("\"places\":[", "\"places\":" + deep),
+        sound.substr(0, sound.size() / 2)}) {
+    const auto read = read_shoe(text);
+    SUCCEEDS(read);
+    STRCMP_EQUAL("0123abcd", read->book.c_str());
+    LONGS_EQUAL(8, read->seq);
+    LONGS_EQUAL(7, read->after);
+    STRCMP_EQUAL("row-8", read->scan.name.c_str());
+    STRCMP_EQUAL("unread", read->scan.verdict.c_str());
+    CHECK(!read->fault.empty());
+  }
+  for (const char* text :
+       {R"({"book":"b","seq":1)", R"({"book":"b","seq":1,"after":1,)", R"({"book":"","seq":2,"after":1,)",
+        R"({"book":b,"seq":2,"after":1,)", R"({"seq":2,"after":1,)"})
+    CHECK_TEXT(!read_shoe(text), text);
+}
+
+TEST(FleetMessages, ACellsOwnStubIsADeadLetterToo) {
+  const auto read = read_shoe(to_text(bare_of(made(), "in vain")));
+  SUCCEEDS(read);
+  LONGS_EQUAL(8, read->seq);
+  LONGS_EQUAL(7, read->after);
+  CHECK(!read->fault.empty());
+  CHECK(read->scan.model.empty());
+}
+
+TEST(FleetMessages, DeadLettersComeBackToTheCell) {
+  CommittedMessage word{.book = "b", .seq = 12, .dead = 30, .held = "later"};
+  for (std::int64_t seq = 1; seq <= 20; ++seq)
+    word.letters.push_back({.seq = seq, .scan = "scan-0001", .why = std::string(seq * 30, 'w')});
+  const auto back = read_committed(to_text(word));
+  SUCCEEDS(back);
+  LONGS_EQUAL(30, back->dead);
+  LONGS_EQUAL(20, back->letters.size());
+  CHECK(back->letters[2] == word.letters[2]);
+  STRCMP_EQUAL("later", back->held.c_str());
+  const auto old = read_committed(R"({"book":"b","seq":12})");
+  SUCCEEDS(old);
+  CHECK(old->letters.empty() && old->held.empty());
+  CHECK(!read_committed(R"({"book":"b","seq":12,"dead":1,"letters":[1]})"));
+  CHECK(!read_committed(R"({"book":"b","seq":12,"dead":1,"letters":7})"));
+}
+
+TEST(FleetMessages, NoCellIsCalledAsTheCentre) {
+  CHECK(is_reserved_name("fleet"));
+  CHECK(is_reserved_name("host"));
+  CHECK(!is_reserved_name("cell-1"));
 }
 
 TEST(FleetMessages, HealthAndCommittedComeThrough) {

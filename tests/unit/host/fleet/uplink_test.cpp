@@ -74,6 +74,38 @@ TEST(Uplink, DatabaseThatWasPutBackGetsAllSinceThen) {
   LONGS_EQUAL(20, next());
 }
 
+TEST(Uplink, ARowThatIsNeverTakenGoesAsAStubAndTheNextOnesFollow) {
+  hear(5);
+  send(6, 20);
+  for (int round = 0; round < k_most_in_vain; ++round) {
+    CHECK_TEXT(!sut.bare(), "too soon");
+    hear(5);  // the centre lives, and takes nothing
+    now += k_patience + std::chrono::milliseconds{1};
+    LONGS_EQUAL(5, next());
+    if (!sut.bare()) send(6, 20);
+  }
+  CHECK(sut.bare());
+  LONGS_EQUAL(1, sut.room());
+  send(6, 6);
+  LONGS_EQUAL(-1, next());
+  hear(6);
+  CHECK(!sut.bare());
+  LONGS_EQUAL(6, next());
+  LONGS_EQUAL(k_most_on_the_way, sut.room());
+}
+
+TEST(Uplink, ACentreThatIsAwayOrTakesRowsLaterRefusesNone) {
+  hear(5);
+  send(6, 20);
+  for (int round = 0; round < 5 * k_most_in_vain; ++round) {
+    if (round % 2 == 0) sut.hear({.book = "b", .seq = 5, .held = "later"}, now);
+    now += k_patience + std::chrono::milliseconds{1};
+    LONGS_EQUAL(5, next());
+    send(6, 20);
+  }
+  CHECK(!sut.bare());
+}
+
 TEST(Uplink, AnotherMemoryBeginsAnew) {
   hear(50);
   sut.use_book("c");
