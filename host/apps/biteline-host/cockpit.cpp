@@ -246,6 +246,15 @@ void Cockpit::hold(const std::string& scan, Wait wait, std::optional<double> fre
   fresh_until_.reset();
   if (fresh_s)
     fresh_until_ =
+void Cockpit::show_centre(const std::string& words) {
+  {
+    const std::lock_guard lock{mutex_};
+    if (centre_ == words) return;
+    centre_ = words;
+  }
+  publish_state();
+}
+
         Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(*fresh_s));
   if (going_on_ == scan) going_on_.clear();
   if (scan.empty()) hold_wanted_.clear();

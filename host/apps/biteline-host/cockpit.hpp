@@ -110,6 +110,8 @@ class Cockpit final : public api::Cell {
   /// A cycle goes from one asking for a scan to the next.  On demand this scan is the last until the next
   /// start.  The mark of the start that it comes of; nothing: somebody has said stop, no scan is asked for.
   [[nodiscard]] std::optional<robot::StopMark> begin_cycle();
+  /// What the factory's centre says of this cell's shoes; empty: it has them all.
+  void show_centre(const std::string& words);
   /// On demand, and nobody has started.
   [[nodiscard]] bool waits_for_start() const;
   /// The scan that was asked for does not come: the next one waits for a start.
@@ -244,6 +246,7 @@ class Cockpit final : public api::Cell {
   std::optional<Clock::time_point> cycle_begun_{};
   std::optional<double> last_cycle_s_{};
   Clock::time_point published_{};
+  std::optional<std::string> centre_{};  ///< nothing: no centre has ever said anything
   std::unique_ptr<RerunWorker> reruns_;      ///< tells the server when one is done
   std::unique_ptr<control::Server> server_;  ///< last: its threads use the rest
 };

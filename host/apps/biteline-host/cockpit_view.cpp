@@ -96,6 +96,8 @@ Json Cockpit::state_locked() const {
   } else {
     lamps["robot"] = robot_wrong_.empty() ? lamp("ok", "ready") : lamp("fault", robot_wrong_);
   }
+  if (centre_)
+    lamps["centre"] = centre_->empty() ? lamp("ok", "reads every shoe") : lamp("warning", *centre_);
   const bool simulated = hello_ && hello_->simulated;
   Json state{
       {"version", BITELINE_VERSION},

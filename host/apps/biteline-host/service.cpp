@@ -123,6 +123,7 @@ Result<ExitStatus> Service::run(const std::atomic<bool>& stop) {
     keep_web();
     heed_wishes();
     end_what_was_stopped();
+    look_at_centre();
     if (!scan_ && !result_.valid() && !waits() && !unfinished_.empty()) {
       const fs::path folder = std::move(unfinished_.front());
       unfinished_.pop_front();

@@ -17,6 +17,7 @@
 #include "host/intake/child_process.hpp"
 #include "host/intake/live_line.hpp"
 #include "host/intake/scan_intake.hpp"
+#include "host/records/centre_word/centre_word.hpp"
 #include "host/records/release/shelf.hpp"
 #include "host/records/report/file_lock.hpp"
 #include "host/robot/kinematics/arm_model.hpp"
@@ -134,6 +135,8 @@ class Service {
   /// biteline-web beside this service, and again when it ended.
   void keep_web();
   void show_idle();
+  /// What the uplink was told by the factory's centre: to the page, the log and stdout.
+  void look_at_centre();
   /// From now on doors may decide what is held.  Pre: waits().  Thread: whose held_ is, the result's or main.
   void tell_held();
 
@@ -219,6 +222,8 @@ class Service {
   std::optional<Unnamed> unnamed_;  ///< the same
   std::optional<intake::ChildProcess> web_;
   HostClock::time_point web_started_{};
+  HostClock::time_point centre_looked_{};
+  std::optional<centre_word::CentreWord> centre_{};  ///< as it was told last
   HostClock::time_point robot_asked_{};
   bool robot_wrong_{false};
   bool robot_moves_{false};  ///< and that is all that is wrong: it will stand

@@ -331,7 +331,7 @@ export function Live(): JSX.Element {
         </div>
       </section>
       <ul class="lamps" aria-label={t('lamps')}>
-        {lamp_order.map((name) => {
+        {[...lamp_order, ...(state.lamps.centre ? ['centre'] : [])].map((name) => {
           const lamp = state.lamps[name] ?? { level: 'unknown', words: '' };
           return (
             <li key={name} class={`lamp ${lamp.level}`}>
