@@ -25,8 +25,9 @@ TEST_GROUP(VideoBoard) {
   test::TemporaryFolder folder;
 
   std::filesystem::path board_of(const FakeVideo& node) const {
-    return folder.write("board.yaml", "board: made\ncamera: {kind: v4l2, device: " + node.path() +
-                                          "}\nposes: {kind: can, interface: none0}\n");
+    return folder.write("board.yaml",
+                        "board: made\ncamera: {kind: v4l2, device: " + node.path() +
+                            "}\nposes: {kind: can, interface: none0}\nwatchdog: {timeout_ms: 500}\n");
   }
   std::filesystem::path head_file(const geometry::CameraState& state) const {
     geometry::SensorModel head = test::made_head(320, 64);
