@@ -61,7 +61,7 @@ CameraState put_over(const CameraState& known, const CameraState& told) {
 }
 
 bool same_value(double a, double b) {
-  constexpr double k_rounded_ratio = 1e-3;
+  constexpr double k_rounded_ratio = 1e-6;  // single precision; a size of one pixel more is another size
   return std::abs(a - b) <= k_rounded_ratio * std::max(std::abs(a), std::abs(b));
 }
 

@@ -78,11 +78,11 @@ TEST(CameraState, SeveralAreCountedBehindTheFirst) {
 }
 
 TEST(CameraState, RoundingIsNoDifferenceAndTheNextStepIs) {
-  CHECK(differences(with(StateKey::BlackLevel, 4.0), with(StateKey::BlackLevel, 4.001)).empty());
+  CHECK(differences(with(StateKey::BlackLevel, 4.0), with(StateKey::BlackLevel, 4.000001)).empty());
   CHECK_FALSE(differences(with(StateKey::BlackLevel, 4), with(StateKey::BlackLevel, 5)).empty());
   CHECK_FALSE(differences(with(StateKey::BlackLevel, 0), with(StateKey::BlackLevel, 1)).empty());
   CHECK_FALSE(differences(with(StateKey::SensorWidth, 1626), with(StateKey::SensorWidth, 1600)).empty());
-  CHECK_FALSE(differences(with(StateKey::SensorHeight, 1236), with(StateKey::SensorHeight, 1228)).empty());
+  CHECK_FALSE(differences(with(StateKey::SensorHeight, 1236), with(StateKey::SensorHeight, 1237)).empty());
 }
 
 }  // namespace biteline::geometry
