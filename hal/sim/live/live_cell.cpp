@@ -100,10 +100,10 @@ Result<std::unique_ptr<LiveCell>> LiveCell::open(const LiveSettings& settings) {
     return fail(Errc::InvalidArgument, "arm '%s': ur3e, ur5e or ur10e expected", settings.arm.c_str());
   BITELINE_ASSIGN(auto scene, make_scene(settings.scene));
   // As its camera powers up; a calibration would tell the same.
-  geometry::CameraState& state = scene->head.model.camera_state;
-  state = geometry::plain_state();
-  state[geometry::StateKey::SensorWidth] = scene->head.sensor_width_px;
-  state[geometry::StateKey::SensorHeight] = scene->head.sensor_height_px;
+  geometry::CameraState& camera_state = scene->head.model.camera_state;
+  camera_state = geometry::plain_state();
+  camera_state[geometry::StateKey::SensorWidth] = scene->head.sensor_width_px;
+  camera_state[geometry::StateKey::SensorHeight] = scene->head.sensor_height_px;
   ReachableScan reachable;
   if (settings.scene.holder == Holder::Bracket && !settings.targets) {
     BITELINE_ASSIGN(reachable, place_within_reach(*scene, *kinematics, settings.arm));
