@@ -35,7 +35,7 @@ struct SensorModel {
   Nanoseconds pose_clock_offset{0};     ///< robot clock minus sensor clock
   std::optional<double> rate_hz;        ///< frames per second, where told
   std::optional<Nanoseconds> exposure;  ///< where told
-  CameraState camera_state;             ///< what the camera was calibrated in
+  CameraState camera_state{};           ///< what the camera was calibrated in
 };
 
 /// Point of the laser plane seen at a full-sensor pixel: X = r * d / (n . r) with the viewing ray r (method:
