@@ -13,6 +13,7 @@
 
 #include "common/core/error.hpp"
 #include "common/core/make_safe.hpp"
+#include "common/system/journal.hpp"
 
 namespace biteline {
 namespace {
@@ -52,6 +53,7 @@ void say(const char* words) noexcept {
 
 void install_last_words(const char* program) noexcept {
   g_program = program;
+  mark_for_journal();
   std::set_terminate(end_with_words);
   std::signal(SIGABRT, end_of_a_library);
 }

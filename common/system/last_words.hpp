@@ -6,7 +6,8 @@ namespace biteline {
 
 /// To be called first in main(); `program` must live as long as the process.  Exceptions that nobody catches,
 /// in whatever thread, then end the process by one line on stderr, after the contract handler (contracts.hpp)
-/// has made the machine safe.  So does abort() in a library; a broken contract still ends by its signal.
+/// has made the machine safe.  Lines for systemd's journal get their priority (journal.hpp).  So does abort()
+/// in a library; a broken contract still ends by its signal.
 void install_last_words(const char* program) noexcept;
 
 }  // namespace biteline

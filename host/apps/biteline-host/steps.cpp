@@ -8,6 +8,7 @@
 #include <cstdarg>
 #include <cstdio>
 #include <memory>
+#include <mutex>
 
 #include "common/core/fixed_text.hpp"
 #include "host/apps/biteline-host/refused.hpp"
@@ -383,6 +384,16 @@ Result<void> arm_stands(const ControllerAddress& controller) {
   return {};
 }
 
+/// Of what is looked at again and again: a line that says nothing new fills logs.
+void say_when_new(const std::string& line) {
+  static std::mutex mutex;
+  static std::string last;
+  const std::lock_guard lock{mutex};
+  if (line == last) return;
+  last = line;
+  say_step("%s", line.c_str());
+}
+
 }  // namespace
 
 ControllerLook look_at_controller(const ControllerAddress& controller, const std::string& arm,
@@ -392,8 +403,7 @@ ControllerLook look_at_controller(const ControllerAddress& controller, const std
       .words = dashboard ? robot::ur::ask_controller(*dashboard, k_dashboard_patience)
                          : Result<robot::ur::ControllerWords>{tl::unexpected<Error>{dashboard.error()}},
       .wrong = {}};
-  say_step("robot: %s",
-           look.words ? robot::ur::summary(*look.words).c_str() : to_line(look.words.error()).c_str());
+  say_when_new("robot: " + (look.words ? robot::ur::summary(*look.words) : to_line(look.words.error())));
   if (!look.words) {
     look.wrong = to_line(look.words.error());
     return look;
