@@ -98,16 +98,17 @@ Result<FleetShoes> Overview::shoes(const std::string& cell, const memory::ScanFi
 }
 
 Result<memory::Trends> Overview::trends(const std::string& cell, const memory::ScanFilter& filter,
-                                        memory::UnixMs bucket_ms) {
+                                        const memory::FactoryDay& day, const std::string& span) {
   return centre_.work<memory::Trends>([&](Centre::State& state) {
     pqxx::work work{state.connection};
     memory::Trends trends;
+    const std::string zone = memory::time_zone();
     for (const pqxx::row& row :
          ask(work,
-             std::string{
-                 "SELECT (extract(epoch FROM time) * 1000)::bigint / $7::bigint * $7::bigint AS bucket, "} +
+             std::string{"SELECT (extract(epoch FROM (date_trunc($7::text, (time AT TIME ZONE $8::text) - "
+                         "$9::interval) + $9::interval) AT TIME ZONE $8::text) * 1000)::bigint AS bucket, "} +
                  k_sums + k_where + " GROUP BY bucket ORDER BY bucket",
-             cell, filter, bucket_ms))
+             cell, filter, span, zone.empty() ? "UTC" : zone, span == "hour" ? "00:00" : day.begin()))
       trends.buckets.push_back(trend_of(row, 1, row[0].as<std::int64_t>()));
     for (const pqxx::row& row : ask(work,
                                     std::string{"SELECT reason_code, count(*)"} + k_where +

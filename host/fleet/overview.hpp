@@ -9,6 +9,7 @@
 #include "host/fleet/centre.hpp"
 #include "host/fleet/metrics.hpp"
 #include "host/fleet/odd_cell.hpp"
+#include "host/records/memory/factory_day.hpp"
 
 namespace biteline::fleet {
 
@@ -37,8 +38,9 @@ class Overview {
   explicit Overview(Centre& centre) : centre_{centre} {}
 
   [[nodiscard]] Result<FleetShoes> shoes(const std::string& cell, const memory::ScanFilter& filter);
+  /// `span`: hour, day or week, of the factory.
   [[nodiscard]] Result<memory::Trends> trends(const std::string& cell, const memory::ScanFilter& filter,
-                                              memory::UnixMs bucket_ms);
+                                              const memory::FactoryDay& day, const std::string& span);
   [[nodiscard]] Result<std::vector<Group>> groups(const memory::ScanFilter& filter);
   [[nodiscard]] Result<std::vector<LastHour>> last_hour();
 

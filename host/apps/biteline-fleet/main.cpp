@@ -14,6 +14,7 @@ namespace biteline::fleet {
 namespace {
 
 Result<ExitStatus> carry_out(const FleetOptions& options) {
+  BITELINE_TRY(memory::use_time_zone(options.time_zone));
   if (options.drop_metrics_token || !options.metrics_token.empty()) {
     const std::filesystem::path accounts = options.accounts / k_accounts_file;
     BITELINE_TRY(options.drop_metrics_token ? accounts::drop_metrics_token(accounts)

@@ -25,6 +25,7 @@ ParsedFleetOptions parse_fleet_options(int argc, char** argv) {
   std::error_code fault;
   options.migrations = std::filesystem::read_symlink("/proc/self/exe", fault).parent_path().parent_path() /
                        "share/biteline/migrations";
+  std::string day_begin = options.day.begin();
   options::Command app{"The factory's centre: takes the shoes of all cells from the broker into PostgreSQL.",
                        k_fleet_program};
   app.set_version_flag("--version", BITELINE_VERSION);
@@ -42,6 +43,10 @@ ParsedFleetOptions parse_fleet_options(int argc, char** argv) {
   auto* accounts = app.add_option("--accounts", options.accounts,
                                   "Folder of accounts and log: of the page, and of who may read --metrics");
   control->needs(accounts);
+  app.add_option("--time-zone", options.time_zone,
+                 "Of the page's days, such as Asia/Shanghai; else the machine's own");
+  app.add_option("--day-begin", day_begin, "When the factory's day begins: hh:mm of its first shift")
+      ->capture_default_str();
   metrics->needs(accounts);
   app.add_option(
          "--metrics-token", options.metrics_token,
@@ -76,6 +81,11 @@ ParsedFleetOptions parse_fleet_options(int argc, char** argv) {
                "Stop when the program that started this one ends");
   std::optional<options::Leave> leave = app.parse(argc, argv);
   if (!leave) leave = unfit(options);
+  if (const auto day = memory::FactoryDay::from(day_begin); day) {
+    options.day = *day;
+  } else if (!leave) {
+    leave = options::Leave{.fault = "--day-begin: a time of day such as 06:00 expected"};
+  }
   if (leave)
     parsed.leave_with = leave->fault.empty()
                             ? 0

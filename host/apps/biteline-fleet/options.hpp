@@ -10,6 +10,7 @@
 #include "host/apps/biteline-fleet/release_orders.hpp"
 #include "host/fleet/broker_options.hpp"
 #include "host/fleet/recording_limits.hpp"
+#include "host/records/memory/factory_day.hpp"
 
 namespace biteline::fleet {
 
@@ -27,6 +28,8 @@ struct FleetOptions {
   RecordingLimits limits;
   std::string control;
   std::filesystem::path accounts;
+  std::string time_zone;     ///< of the factory's day; empty: the machine's own
+  memory::FactoryDay day{};  ///< when it begins
   std::optional<std::uint16_t> metrics;
   std::filesystem::path metrics_token;  ///< only this is done: a new one, into this file
   bool drop_metrics_token{false};       ///< only this is done

@@ -13,6 +13,7 @@
 #include "host/doors/accounts/accounts.hpp"
 #include "host/doors/control/messages.hpp"
 #include "host/fleet/centre.hpp"
+#include "host/records/memory/factory_day.hpp"
 
 namespace biteline::fleet {
 
@@ -23,6 +24,7 @@ struct PageRooms {
   accounts::Accounts& accounts;
   const std::atomic<bool>& broker;  ///< there is a line
   std::string version;
+  memory::FactoryDay day{};  ///< of filters and trends
 };
 
 /// Has a line to the database of its own.  Thread: one at a time.

@@ -18,7 +18,8 @@ Result<std::unique_ptr<PageDoor>> PageDoor::open(const PageDoorConfig& config) {
                                                    .memory = door->memory_,
                                                    .accounts = door->accounts_,
                                                    .broker = door->broker_,
-                                                   .version = config.version});
+                                                   .version = config.version,
+                                                   .day = config.day});
   control::ServerConfig server;
   server.endpoint = config.endpoint;
   server.hello = {{"version", config.version}, {"started", control::utc_now()}};

@@ -16,6 +16,7 @@ struct PageDoorConfig {
   std::string database;
   std::filesystem::path migrations;
   std::string version;
+  memory::FactoryDay day{};
 };
 
 /// Thread: the answers have those of control::Server, beside the centre's work.

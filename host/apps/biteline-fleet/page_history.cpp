@@ -20,10 +20,10 @@ std::string query_text(const Request& request, const char* key) {
 }
 
 /// The cell's own filter, beside which the centre knows one more.
-api::QueryFilter filter_of(const Request& request) {
+api::QueryFilter filter_of(const Request& request, const memory::FactoryDay& day) {
   std::map<std::string, std::string> query = request.query;
   query.erase("cell");
-  return api::filter_of(query);
+  return api::filter_of(query, day);
 }
 
 Json sums_json(const memory::Trend& sums) {
@@ -40,7 +40,7 @@ Json sums_json(const memory::Trend& sums) {
 }  // namespace
 
 Answer PageApi::list_shoes(const Call& call) {
-  const api::QueryFilter query = filter_of(call.request);
+  const api::QueryFilter query = filter_of(call.request, rooms_.day);
   if (query.fault) return *query.fault;
   const Result<Centre*> here = centre();
   if (!here) return answer_of(here.error());
@@ -71,23 +71,21 @@ Answer PageApi::list_shoes(const Call& call) {
 }
 
 Answer PageApi::read_trends(const Call& call) {
-  const api::QueryFilter query = filter_of(call.request);
+  const api::QueryFilter query = filter_of(call.request, rooms_.day);
   if (query.fault) return *query.fault;
   const std::string asked = query_text(call.request, "bucket");
   const std::string bucket = asked.empty() ? "day" : asked;
   if (bucket != "hour" && bucket != "day" && bucket != "week")
     return control::refusal(400, "bad_request", "query bucket: hour, day or week expected");
-  const memory::UnixMs bucket_ms =
-      bucket == "hour" ? memory::k_day_ms / 24 : (bucket == "week" ? 7 : 1) * memory::k_day_ms;
   const Result<Centre*> here = centre();
   if (!here) return answer_of(here.error());
   const Result<memory::Trends> trends =
-      Overview{**here}.trends(query_text(call.request, "cell"), query.filter, bucket_ms);
+      Overview{**here}.trends(query_text(call.request, "cell"), query.filter, rooms_.day, bucket);
   return trends ? ok(memory::to_json(*trends)) : answer_of(trends.error());
 }
 
 Answer PageApi::list_groups(const Call& call) {
-  const api::QueryFilter query = filter_of(call.request);
+  const api::QueryFilter query = filter_of(call.request, rooms_.day);
   if (query.fault) return *query.fault;
   const Result<Centre*> here = centre();
   if (!here) return answer_of(here.error());
@@ -103,7 +101,7 @@ Answer PageApi::list_groups(const Call& call) {
 }
 
 Answer PageApi::read_log(const Call& call) {
-  const api::QueryFilter query = filter_of(call.request);
+  const api::QueryFilter query = filter_of(call.request, rooms_.day);
   if (query.fault) return *query.fault;
   const memory::ScanFilter& filter = query.filter;
   Result<std::vector<memory::LogRow>> rows =

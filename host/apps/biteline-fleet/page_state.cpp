@@ -21,7 +21,8 @@ Answer PageApi::read_state(const Call&) {
              {"version", rooms_.version},
              {"broker", rooms_.broker.load()},
              {"database", centre_.has_value()},
-             {"time", control::utc_now()}});
+             {"time", control::utc_now()},
+             {"day", {{"zone", memory::time_zone()}, {"begin", rooms_.day.begin()}}}});
 }
 
 Answer PageApi::read_for_metrics(const Call& call) {

@@ -43,7 +43,8 @@ Result<void> RunningCentre::open() {
                                          .accounts = options_.accounts,
                                          .database = options_.database,
                                          .migrations = options_.migrations,
-                                         .version = BITELINE_VERSION}));
+                                         .version = BITELINE_VERSION,
+                                         .day = options_.day}));
   std::printf("biteline-fleet: pages come in at %s\n", page_->address().c_str());
   std::fflush(stdout);
   return {};

@@ -25,6 +25,7 @@ Result<std::unique_ptr<Cockpit>> Cockpit::open(const CockpitConfig& config) {
   // What was being taught when the last service ended still waits for a person.
   BITELINE_ASSIGN(const std::optional<std::string> hold, cockpit->memory_.setting(k_hold_key));
   cockpit->hold_all_ = cockpit->hold_kept_ = hold == "yes";
+  BITELINE_TRY(cockpit->keep_day());
   if (config.endpoint) BITELINE_TRY(cockpit->listen());
   return cockpit;
 }
@@ -48,6 +49,24 @@ Cockpit::~Cockpit() {
   answer_sensor({}, fail(Errc::WrongState, "the service ends"));
   // Its thread tells the server, the server's threads give it work: it ends first and is asked no more.
   if (reruns_) reruns_->end();
+}
+
+Result<void> Cockpit::keep_day() {
+  for (const auto& [key, value] : {std::pair{memory::k_zone_key, memory::time_zone()},
+                                   std::pair{memory::k_day_begin_key, config_.day.begin()}}) {
+    BITELINE_ASSIGN(const std::optional<std::string> before, memory_.setting(key));
+    if (before == value) continue;
+    BITELINE_TRY(memory_.put_setting(key, value,
+                                     {.id = 0,
+                                      .time = memory::now_ms(),
+                                      .who = "service",
+                                      .door = {},
+                                      .action = "setting",
+                                      .subject = key,
+                                      .before = before.value_or(""),
+                                      .after = value}));
+  }
+  return {};
 }
 
 Result<std::string> Cockpit::make_line_token() const {
@@ -80,7 +99,8 @@ Result<void> Cockpit::listen() {
                                                 },
                                             .last_seq = [this] { return server_ ? server_->last_seq() : 0; },
                                             .stock = [folders = config_.stock] { return stock_now(folders); },
-                                            .line_token = std::move(line_token)});
+                                            .line_token = std::move(line_token),
+                                            .day = config_.day});
   reruns_ = std::make_unique<RerunWorker>(RerunRoom{.results = config_.results,
                                                     .stock = config_.stock,
                                                     .arm = config_.rerun_arm,
@@ -213,6 +233,15 @@ void Cockpit::hear(const Result<robot::ur::ControllerWords>& words, const std::s
   publish_state();
 }
 
+void Cockpit::show_centre(const std::string& words) {
+  {
+    const std::lock_guard lock{mutex_};
+    if (centre_ == words) return;
+    centre_ = words;
+  }
+  publish_state();
+}
+
 robot::StopMark Cockpit::going() const {
   const std::lock_guard lock{mutex_};
   return go_;
@@ -246,15 +275,6 @@ void Cockpit::hold(const std::string& scan, Wait wait, std::optional<double> fre
   fresh_until_.reset();
   if (fresh_s)
     fresh_until_ =
-void Cockpit::show_centre(const std::string& words) {
-  {
-    const std::lock_guard lock{mutex_};
-    if (centre_ == words) return;
-    centre_ = words;
-  }
-  publish_state();
-}
-
         Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(*fresh_s));
   if (going_on_ == scan) going_on_.clear();
   if (scan.empty()) hold_wanted_.clear();

@@ -36,6 +36,7 @@ struct CockpitConfig {
   std::optional<RerunArm> rerun_arm;       ///< what a scan's path is planned anew with; nothing: none is
   std::optional<wire::Endpoint> endpoint;  ///< where doors come in; nothing: none do
   std::optional<wire::SensorKeys> keys;
+  memory::FactoryDay day{};             ///< of filters, trends and tables
   std::vector<line_control::Job> jobs;  ///< of the line's control; with any, each start is one scan
   robot::Stops* stops{nullptr};         ///< that the process counts, too; nothing: the cockpit's own
 };
@@ -107,11 +108,11 @@ class Cockpit final : public api::Cell {
   void answer_sensor(std::optional<std::uint32_t> question, const Result<std::string>& done);
   /// What the controller says of itself, or why it says nothing; `wrong`: what to do first.
   void hear(const Result<robot::ur::ControllerWords>& words, const std::string& wrong);
+  /// What the factory's centre says of this cell's shoes; empty: it has them all.
+  void show_centre(const std::string& words);
   /// A cycle goes from one asking for a scan to the next.  On demand this scan is the last until the next
   /// start.  The mark of the start that it comes of; nothing: somebody has said stop, no scan is asked for.
   [[nodiscard]] std::optional<robot::StopMark> begin_cycle();
-  /// What the factory's centre says of this cell's shoes; empty: it has them all.
-  void show_centre(const std::string& words);
   /// On demand, and nobody has started.
   [[nodiscard]] bool waits_for_start() const;
   /// The scan that was asked for does not come: the next one waits for a start.
@@ -172,6 +173,8 @@ class Cockpit final : public api::Cell {
   [[nodiscard]] Result<void> listen();
   /// For the service's user alone, in the folder of results; empty: none is asked for.
   [[nodiscard]] Result<std::string> make_line_token() const;
+  /// So that `biteline history` goes by the same day.
+  [[nodiscard]] Result<void> keep_day();
   void publish_state();
   [[nodiscard]] api::Json state_locked() const;
   /// What waits for a person, and for what; null: nothing.
@@ -243,10 +246,10 @@ class Cockpit final : public api::Cell {
   std::optional<robot::ur::ControllerWords> robot_{};
   std::string robot_wrong_;
   bool robot_asked_{false};
+  std::optional<std::string> centre_{};  ///< nothing: no centre has ever said anything
   std::optional<Clock::time_point> cycle_begun_{};
   std::optional<double> last_cycle_s_{};
   Clock::time_point published_{};
-  std::optional<std::string> centre_{};  ///< nothing: no centre has ever said anything
   std::unique_ptr<RerunWorker> reruns_;      ///< tells the server when one is done
   std::unique_ptr<control::Server> server_;  ///< last: its threads use the rest
 };

@@ -115,6 +115,7 @@ Json Cockpit::state_locked() const {
       {"model", nullptr},
       {"process", api::or_null(process_)}};
   state["held"] = held_json_locked();
+  state["day"] = {{"zone", memory::time_zone()}, {"begin", config_.day.begin()}};
   if (stopped_) show_stopped_locked(state);
   if (!model_.empty()) state["model"] = {{"name", model_}, {"probability", model_probability_}};
   return state;

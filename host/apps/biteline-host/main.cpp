@@ -46,6 +46,7 @@ Result<ExitStatus> save_or_restore(const service::Options& options) {
 Result<ExitStatus> run(const service::Options& options) {
   if (!options.backup.empty() || !options.restore.empty()) return save_or_restore(options);
   if (options.exit_with_parent) prctl(PR_SET_PDEATHSIG, SIGTERM);
+  BITELINE_TRY(memory::use_time_zone(options.time_zone));
   BITELINE_ASSIGN(service::Service host, service::Service::create(options, g_stops));
   return host.run(g_stop);
 }

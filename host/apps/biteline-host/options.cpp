@@ -23,6 +23,7 @@ ParsedOptions parse_options(int argc, char** argv) {
   RobotOptions robot;
   SampleOptions carry{.sample = {}, .library = transfer::Library::default_folder(), .transfer = {}};
   std::string sensor;
+  std::string day_begin = options.day.begin();
   options::Command app{
       "Biteline's service: takes scans in, finds the bite line, plans the path, lets the arm follow it.",
       "biteline-host"};
@@ -99,6 +100,11 @@ ParsedOptions parse_options(int argc, char** argv) {
       "--jobs", options.doors.jobs,
       "YAML of the jobs that the line's control may choose through biteline-web --modbus or --text, "
       "without a login; with it each start is one scan");
+  app.add_option(
+      "--time-zone", options.time_zone,
+      "Of the factory's day in filters, trends and tables, such as Asia/Shanghai; else the machine's own");
+  app.add_option("--day-begin", day_begin, "When the factory's day begins: hh:mm of its first shift")
+      ->capture_default_str();
   app.add_option("--keep-days", options.keep_days,
                  "Remove the folders of scans that are older, but for marked ones; their rows stay")
       ->check(options::number({.minimum = 1, .maximum = 36500}, "days"));
@@ -139,6 +145,12 @@ ParsedOptions parse_options(int argc, char** argv) {
     parsed.leave_with = leave->fault.empty() ? 0 : usage_fault(leave->fault + " (see --help)");
     return parsed;
   }
+  const std::optional<memory::FactoryDay> day = memory::FactoryDay::from(day_begin);
+  if (!day) {
+    parsed.leave_with = usage_fault("--day-begin: a time of day such as 06:00 expected");
+    return parsed;
+  }
+  options.day = *day;
   const Result<KeptRecordings> which = KeptRecordings::parse(kept);
   if (!which) {
     parsed.leave_with = usage_fault(to_line(which.error()));

@@ -9,6 +9,7 @@
 #include "common/wire/endpoint.hpp"
 #include "host/apps/biteline-host/kept_recordings.hpp"
 #include "host/cloud/uncertainty/head_uncertainty.hpp"
+#include "host/records/memory/factory_day.hpp"
 #include "host/robot/path/checks/fixture.hpp"
 #include "host/transfer/transfer.hpp"
 
@@ -58,6 +59,8 @@ struct Options {
   std::filesystem::path library;      ///< of models
   std::filesystem::path releases;     ///< of the factory's releases, see release::Shelf; empty: none
   bool models{false};                 ///< each scan's model is recognised in the library
+  std::string time_zone;              ///< of the factory's day; empty: the machine's own
+  memory::FactoryDay day{};           ///< when it begins
   std::optional<double> keep_days{};  ///< folders of older scans go; their rows stay
   std::optional<double> keep_gb{};    ///< the oldest folders go beyond it
   bool stop_on_drift{false};          ///< of the head's calibration: no path is sent without a person's word

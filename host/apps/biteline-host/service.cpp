@@ -94,6 +94,7 @@ Result<Service> Service::create(const Options& options, robot::Stops& stops) {
                                         : std::nullopt,
                      .endpoint = options.doors.control,
                      .keys = std::move(control_keys),
+                     .day = options.day,
                      .jobs = std::move(jobs),
                      .stops = &stops}));
   if (options.doors.guest) {

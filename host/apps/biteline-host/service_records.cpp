@@ -68,7 +68,7 @@ void Service::remember(const fs::path& folder, const std::string& decision, cons
   row->versions.append("\"}");
   const Result<void> put = cockpit_->memory().put_scan(*row,
                                                        {.id = 0,
-                                                        .time = row->time,
+                                                        .time = memory::now_ms(),
                                                         .who = "service",
                                                         .door = {},
                                                         .action = "result",

@@ -12,21 +12,23 @@ namespace {
 
 struct HistoryOptions {
   std::filesystem::path results;
-  std::string from, to, model, verdict;
+  std::string from, to, model, verdict, zone, day_begin;
+  std::string separator{"comma"}, decimal{"point"};
   int limit{20};
-  bool csv{false}, trends{false};
+  bool csv{false}, trends{false}, byte_mark{false};
 };
 
-Result<memory::ScanFilter> filter_of(const HistoryOptions& options) {
+Result<memory::ScanFilter> filter_of(const HistoryOptions& options, const memory::FactoryDay& day) {
   memory::ScanFilter filter;
   for (const auto& [text, time, name] :
        {std::tuple{&options.from, &filter.from, "--from"}, std::tuple{&options.to, &filter.to, "--to"}}) {
     if (text->empty()) continue;
-    *time = memory::from_iso(*text);
+    *time = day.time_of(*text);
     if (!*time) {
-      return fail(Errc::InvalidArgument,
-                  "%s '%.40s': a day or time such as 2026-11-20 or 2026-11-20T21:04:05Z expected", name,
-                  text->c_str());
+      return fail(
+          Errc::InvalidArgument,
+          "%s '%.40s': a day or time such as 2026-11-20, 2026-11-20T21:04 or 2026-11-20T13:04:05Z expected",
+          name, text->c_str());
     }
   }
   filter.model = options.model;
@@ -41,7 +43,7 @@ std::string figure(const char* pattern, const std::optional<double>& number) {
 
 std::string words_of(const memory::Scan& scan) {
   using Text = FixedText<400>;
-  return Text::format("%-24s %-12s %-8s %-9s %10s %6s %8s  %s", memory::to_iso(scan.time).c_str(),
+  return Text::format("%-19s %-12s %-8s %-9s %10s %6s %8s  %s", memory::local_time(scan.time).c_str(),
                       scan.name.c_str(), scan.verdict.c_str(), scan.decision.c_str(),
                       figure("%.1f mm", scan.length_mm).c_str(), figure("%.2f", scan.confidence).c_str(),
                       figure("%.1f s", scan.cycle_s).c_str(),
@@ -90,14 +92,14 @@ Result<ExitStatus> run_list(const memory::Memory& memory, const memory::ScanFilt
 }
 
 Result<ExitStatus> run_trends(const memory::Memory& memory, const memory::ScanFilter& filter,
-                              const GlobalOptions& global) {
-  BITELINE_ASSIGN(const memory::Trends trends, memory.trends(filter, memory::k_day_ms));
+                              const memory::FactoryDay& factory, const GlobalOptions& global) {
+  BITELINE_ASSIGN(const memory::Trends trends, memory.trends(filter, factory, memory::Span::Day));
   report::Report report;
   report.fields = memory::to_json(trends);
   using Text = FixedText<300>;
   std::string words = "day         scans     ok  amber refused failed  cycle";
   for (const memory::Trend& day : trends.buckets) {
-    words += Text::format("\n%.10s %6lld %6lld %6lld %7lld %6lld %6s", memory::to_iso(day.begin).c_str(),
+    words += Text::format("\n%.10s %6lld %6lld %6lld %7lld %6lld %6s", factory.name_of(day.begin).c_str(),
                           static_cast<long long>(day.scans), static_cast<long long>(day.ok),
                           static_cast<long long>(day.amber), static_cast<long long>(day.refused),
                           static_cast<long long>(day.failed), figure("%.1f s", day.median_cycle_s).c_str())
@@ -109,13 +111,29 @@ Result<ExitStatus> run_trends(const memory::Memory& memory, const memory::ScanFi
   return tell(report, {.quiet = false, .json = global.json}, words);
 }
 
+/// The service's own, unless it is told here.
+Result<memory::FactoryDay> day_of(const HistoryOptions& options, const memory::Memory& memory) {
+  memory::FactoryDay day = memory::FactoryDay::of(memory);
+  BITELINE_TRY(memory::use_time_zone(options.zone));
+  if (options.day_begin.empty()) return day;
+  const std::optional<memory::FactoryDay> told = memory::FactoryDay::from(options.day_begin);
+  if (!told)
+    return fail(Errc::InvalidArgument, "--day-begin '%.20s': a time of day such as 06:00 expected",
+                options.day_begin.c_str());
+  return *told;
+}
+
 Result<ExitStatus> run_history(const HistoryOptions& options, const GlobalOptions& global) {
-  BITELINE_ASSIGN(const memory::ScanFilter filter, filter_of(options));
+  const auto style = memory::csv_style(options.separator, options.decimal, options.byte_mark);
+  if (!style)
+    return fail(Errc::InvalidArgument, "--csv-separator and --csv-decimal: two different signs expected");
   BITELINE_ASSIGN(const memory::Memory memory,
                   memory::Memory::open_to_read(options.results / memory::k_memory_file));
-  if (options.trends) return run_trends(memory, filter, global);
+  BITELINE_ASSIGN(const memory::FactoryDay day, day_of(options, memory));
+  BITELINE_ASSIGN(const memory::ScanFilter filter, filter_of(options, day));
+  if (options.trends) return run_trends(memory, filter, day, global);
   if (!options.csv) return run_list(memory, filter, global);
-  BITELINE_ASSIGN(const std::string csv, memory::history_csv(memory, filter));
+  BITELINE_ASSIGN(const std::string csv, memory::history_csv(memory, filter, *style, day));
   if (std::fwrite(csv.data(), 1, csv.size(), stdout) != csv.size() || std::fflush(stdout) != 0)
     return fail(Errc::WriteFailed, "stdout");
   return ExitStatus::Done;
@@ -128,8 +146,9 @@ void add_history(options::Command& app, Context& context) {
   options::Command* command =
       app.add_subcommand("history", "What a service remembers of its shoes; also while it runs");
   command->add_option("results", options->results, "The service's --out folder")->required();
-  command->add_option("--from", options->from, "At or after this day or time, UTC");
-  command->add_option("--to", options->to, "Before this day or time, UTC");
+  command->add_option("--from", options->from,
+                      "At or after this day or time of the factory; with Z at its end UTC");
+  command->add_option("--to", options->to, "Before this day or time, likewise");
   command->add_option("--model", options->model, "Of this model");
   command->add_option("--verdict", options->verdict, "Of this verdict")
       ->check(options::one_of({"working", "ok", "amber", "refused", "failed"}));
@@ -137,6 +156,17 @@ void add_history(options::Command& app, Context& context) {
       ->check(options::whole_number(1, memory::k_most_scans))
       ->capture_default_str();
   auto* csv = command->add_flag("--csv", options->csv, "All of them as CSV, whatever the limit");
+  command
+      ->add_option("--csv-separator", options->separator, "Between its cells: what the spreadsheet expects")
+      ->check(options::one_of({"comma", "semicolon", "tab"}))
+      ->capture_default_str();
+  command->add_option("--csv-decimal", options->decimal, "In its numbers")
+      ->check(options::one_of({"point", "comma"}))
+      ->capture_default_str();
+  command->add_flag("--csv-byte-mark", options->byte_mark, "A byte mark first, by which Excel knows UTF-8");
+  command->add_option("--time-zone", options->zone, "Such as Asia/Shanghai; else the service's own");
+  command->add_option("--day-begin", options->day_begin,
+                      "When the day begins, hh:mm; else the service's own");
   command->add_flag("--trends", options->trends, "Counts by day, and reasons by count")->excludes(csv);
   command->callback([options, &context] {
     context.run = [options, &context] { return run_history(*options, context.options); };

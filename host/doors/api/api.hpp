@@ -14,6 +14,7 @@
 #include "host/doors/api/stock.hpp"
 #include "host/doors/api/stop_log.hpp"
 #include "host/doors/control/messages.hpp"
+#include "host/records/memory/factory_day.hpp"
 #include "host/records/memory/memory.hpp"
 
 namespace biteline::api {
@@ -32,6 +33,7 @@ struct Rooms {
   std::function<Result<Stock>()> stock{};  ///< what scans are worked with now; none: the cell's own
   /// Who commands as a line's door shows it; empty: the control end's keys say who comes in.
   std::string line_token{};
+  memory::FactoryDay day{};  ///< filters, trends and tables go by it
 };
 
 /// A request with the person behind it.
@@ -78,12 +80,12 @@ class Api {
   [[nodiscard]] control::Answer start(const Call& call);
   [[nodiscard]] control::Answer rescan(const Call& call);
   [[nodiscard]] std::optional<control::Answer> closed_to_line(const Call& call);
+  /// For commands: besides, it is a door that was opened, and no program that calls itself one.
+  [[nodiscard]] std::optional<control::Answer> closed_to_commands(const Call& call);
   [[nodiscard]] control::Answer read_line(const Call& call);
   [[nodiscard]] control::Answer choose_job(const Call& call);
   [[nodiscard]] control::Answer start_for_line(const Call& call);
   [[nodiscard]] control::Answer list_scans(const Call& call);
-  /// For commands: besides, it is a door that was opened, and no program that calls itself one.
-  [[nodiscard]] std::optional<control::Answer> closed_to_commands(const Call& call);
   [[nodiscard]] control::Answer read_scan(const Call& call);
   [[nodiscard]] control::Answer accept(const Call& call);
   [[nodiscard]] control::Answer reject(const Call& call);

@@ -49,7 +49,7 @@ Json file_json(const fs::path& file) {
 }
 
 Answer Api::list_scans(const Call& call) {
-  const QueryFilter query = filter_of(call.request.query);
+  const QueryFilter query = filter_of(call.request.query, rooms_.day);
   if (query.fault) return *query.fault;
   const Result<memory::ScanPage> page = rooms_.memory.scans(query.filter);
   if (!page) return answer_of(page.error());
@@ -200,7 +200,7 @@ Answer Api::keep(const Call& call) {
 }
 
 Answer Api::read_log(const Call& call) {
-  const QueryFilter query = filter_of(call.request.query);
+  const QueryFilter query = filter_of(call.request.query, rooms_.day);
   if (query.fault) return *query.fault;
   const memory::ScanFilter& filter = query.filter;
   Result<std::vector<memory::LogRow>> rows =
@@ -217,15 +217,16 @@ Answer Api::read_log(const Call& call) {
 }
 
 Answer Api::read_trends(const Call& call) {
-  const QueryFilter query = filter_of(call.request.query);
+  const QueryFilter query = filter_of(call.request.query, rooms_.day);
   if (query.fault) return *query.fault;
   const auto asked = call.request.query.find("bucket");
   const std::string bucket = asked == call.request.query.end() ? "day" : asked->second;
   if (bucket != "hour" && bucket != "day" && bucket != "week")
     return control::refusal(400, "bad_request", "query bucket: hour, day or week expected");
-  const memory::UnixMs bucket_ms =
-      bucket == "hour" ? memory::k_day_ms / 24 : (bucket == "week" ? 7 : 1) * memory::k_day_ms;
-  const Result<memory::Trends> trends = rooms_.memory.trends(query.filter, bucket_ms);
+  const memory::Span span = bucket == "hour"  ? memory::Span::Hour
+                            : bucket == "day" ? memory::Span::Day
+                                              : memory::Span::Week;
+  const Result<memory::Trends> trends = rooms_.memory.trends(query.filter, rooms_.day, span);
   if (!trends) return answer_of(trends.error());
   Json json = memory::to_json(*trends);
   json["capability"] = nullptr;
@@ -252,9 +253,19 @@ Answer Api::read_trends(const Call& call) {
 }
 
 Answer Api::export_history(const Call& call) {
-  const QueryFilter query = filter_of(call.request.query);
+  const QueryFilter query = filter_of(call.request.query, rooms_.day);
   if (query.fault) return *query.fault;
-  const Result<std::string> csv = memory::history_csv(rooms_.memory, query.filter);
+  const auto asked = [&call](const char* name, const char* otherwise) {
+    const auto found = call.request.query.find(name);
+    return found == call.request.query.end() ? std::string{otherwise} : found->second;
+  };
+  const auto style = memory::csv_style(asked("separator", "comma"), asked("decimal", "point"),
+                                       asked("byte_mark", "no") == "yes");
+  if (!style)
+    return control::refusal(400, "bad_request",
+                            "query separator: comma, semicolon or tab, and query decimal: point or comma "
+                            "expected, two different signs");
+  const Result<std::string> csv = memory::history_csv(rooms_.memory, query.filter, *style, rooms_.day);
   if (!csv) return answer_of(csv.error());
   Answer answer = ok(*csv);
   answer.type = "text/csv";

@@ -145,15 +145,15 @@ std::optional<Answer> Fields::faults() {
   return answer;
 }
 
-QueryFilter filter_of(const std::map<std::string, std::string>& query) {
+QueryFilter filter_of(const std::map<std::string, std::string>& query, const memory::FactoryDay& day) {
   QueryFilter out;
   const auto fault = [&](const std::string& name, const std::string& expected) {
     if (!out.fault) out.fault = bad_request("query " + name + ": " + expected + " expected");
   };
   for (const auto& [name, value] : query) {
     if (name == "from" || name == "to") {
-      const std::optional<memory::UnixMs> time = memory::from_iso(value);
-      if (!time) fault(name, "a time such as 2026-11-20T21:04:05Z");
+      const std::optional<memory::UnixMs> time = day.time_of(value);
+      if (!time) fault(name, "a day such as 2026-11-20 or a time such as 2026-11-20T21:04:05Z");
       (name == "from" ? out.filter.from : out.filter.to) = time;
     } else if (name == "model") {
       out.filter.model = value;
@@ -172,7 +172,7 @@ QueryFilter filter_of(const std::map<std::string, std::string>& query) {
       const std::optional<std::int64_t> cursor = number_of(value);
       if (!cursor || *cursor < 1) fault(name, "`next` of the page before");
       out.filter.before_id = cursor.value_or(0);
-    } else if (name != "bucket") {
+    } else if (name != "bucket" && name != "separator" && name != "decimal" && name != "byte_mark") {
       fault(name, "from, to, model, verdict, reason_code, limit, cursor or bucket");
     }
   }

@@ -8,6 +8,7 @@
 
 #include "common/core/numbers.hpp"
 #include "host/doors/control/messages.hpp"
+#include "host/records/memory/factory_day.hpp"
 #include "host/records/memory/memory.hpp"
 
 namespace biteline::api {
@@ -46,12 +47,14 @@ class Fields {
   Json faults_ = Json::array();
 };
 
-/// from, to, model, verdict, limit, cursor of a query; a fault is an Answer.
+/// from, to, model, verdict, limit, cursor of a query; a fault is an Answer.  A day without a time is the
+/// factory's, a time without a zone local.
 struct QueryFilter {
   memory::ScanFilter filter;
   std::optional<Answer> fault{};
 };
-[[nodiscard]] QueryFilter filter_of(const std::map<std::string, std::string>& query);
+[[nodiscard]] QueryFilter filter_of(const std::map<std::string, std::string>& query,
+                                    const memory::FactoryDay& day);
 
 [[nodiscard]] bool is_name(const std::string& text);
 [[nodiscard]] bool is_scan_id(const std::string& text);

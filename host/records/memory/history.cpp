@@ -2,31 +2,42 @@
 #include "host/records/memory/history.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <cstdio>
+
+#include "common/core/fixed_text.hpp"
 
 namespace biteline::memory {
 namespace {
 
-/// Quoted where CSV needs it; a cell that a spreadsheet would take for a formula begins with a quote mark.
-std::string cell(std::string text) {
-  if (!text.empty() && std::string_view{"=+-@\t\r"}.find(text.front()) != std::string_view::npos)
-    text.insert(text.begin(), '\'');
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char letter : text) {
-    if (letter == '"') quoted += '"';
-    quoted += letter;
-  }
-  return quoted + "\"";
-}
+/// Writes the cells of one table.
+class Cells {
+ public:
+  explicit Cells(const CsvStyle& style) : style_{style} {}
 
-std::string cell(const std::optional<double>& number) {
-  if (!number) return {};
-  char text[32];
-  std::snprintf(text, sizeof text, "%.6g", *number);
-  return text;
-}
+  /// Quoted where CSV needs it; one that a spreadsheet would take for a formula begins with a quote mark.
+  [[nodiscard]] std::string of(std::string text) const {
+    if (!text.empty() && std::string_view{"=+-@\t\r"}.find(text.front()) != std::string_view::npos)
+      text.insert(text.begin(), '\'');
+    const std::string special = std::string{"\"\r\n,;\t"} + style_.separator;
+    if (text.find_first_of(special) == std::string::npos) return text;
+    std::string quoted = "\"";
+    for (const char letter : text) {
+      if (letter == '"') quoted += '"';
+      quoted += letter;
+    }
+    return quoted + "\"";
+  }
+  [[nodiscard]] std::string of(const std::optional<double>& number) const {
+    if (!number || !std::isfinite(*number)) return {};
+    std::string text{FixedText<32>::format("%.6g", *number).view()};
+    std::ranges::replace(text, '.', style_.decimal);
+    return text;
+  }
+
+ private:
+  const CsvStyle& style_;
+};
 
 std::string yes(bool value) {
   return value ? "yes" : "no";
@@ -38,28 +49,64 @@ nlohmann::ordered_json or_null(const std::optional<double>& number) {
 
 }  // namespace
 
-Result<std::string> history_csv(const Memory& memory, ScanFilter filter) {
-  std::string csv =
-      "time,scan,model,model_probability,verdict,reason_code,length_mm,confidence,u95_mm,weak_stretches,scan_"
-      "s,"
-      "line_s,cycle_s,process,decision,decided_by,sent,followed,operator,line_version,reason\r\n";
+std::optional<CsvStyle> csv_style(const std::string& separator, const std::string& decimal, bool byte_mark) {
+  CsvStyle style{.separator = 0, .decimal = 0, .byte_mark = byte_mark};
+  for (const auto& [name, letter] :
+       {std::pair{"comma", ','}, std::pair{"semicolon", ';'}, std::pair{"tab", '\t'}})
+    if (separator == name) style.separator = letter;
+  for (const auto& [name, letter] : {std::pair{"point", '.'}, std::pair{"comma", ','}})
+    if (decimal == name) style.decimal = letter;
+  if (style.separator == 0 || style.decimal == 0 || style.separator == style.decimal) return std::nullopt;
+  return style;
+}
+
+Result<std::string> history_csv(const Memory& memory, ScanFilter filter, const CsvStyle& style,
+                                const FactoryDay& day) {
+  // New columns come at the end.
+  constexpr std::array k_columns{
+      "time",      "scan",         "model",    "model_probability", "verdict", "reason_code",
+      "length_mm", "confidence",   "u95_mm",   "weak_stretches",    "scan_s",  "line_s",
+      "cycle_s",   "process",      "decision", "decided_by",        "sent",    "followed",
+      "operator",  "line_version", "reason",   "local_time",        "day"};
+  const Cells cell{style};
+  std::string csv = style.byte_mark ? "\xEF\xBB\xBF" : "";
+  for (std::size_t i = 0; i < k_columns.size(); ++i) {
+    if (i > 0) csv += style.separator;
+    csv += k_columns[i];
+  }
+  csv += "\r\n";
   filter.before_id = 0;
   filter.limit = k_most_scans;
   while (true) {
     BITELINE_ASSIGN(const ScanPage page, memory.scans(filter));
     for (const Scan& scan : page.scans) {
-      const std::string cells[] = {to_iso(scan.time),        cell(scan.name),
-                                   cell(scan.model),         cell(scan.model_probability),
-                                   cell(scan.verdict),       cell(scan.reason_code),
-                                   cell(scan.length_mm),     cell(scan.confidence),
-                                   cell(scan.u95_mm),        std::to_string(scan.weak_stretches),
-                                   cell(scan.scan_s),        cell(scan.line_s),
-                                   cell(scan.cycle_s),       cell(scan.process),
-                                   cell(scan.decision),      cell(scan.decided_by),
-                                   yes(scan.sent),           scan.followed ? yes(*scan.followed) : "",
-                                   cell(scan.operator_name), std::to_string(scan.line_version),
-                                   cell(scan.reason)};
-      for (std::size_t i = 0; i < std::size(cells); ++i) csv += (i == 0 ? "" : ",") + cells[i];
+      const std::array<std::string, k_columns.size()> cells{to_iso(scan.time),
+                                                            cell.of(scan.name),
+                                                            cell.of(scan.model),
+                                                            cell.of(scan.model_probability),
+                                                            cell.of(scan.verdict),
+                                                            cell.of(scan.reason_code),
+                                                            cell.of(scan.length_mm),
+                                                            cell.of(scan.confidence),
+                                                            cell.of(scan.u95_mm),
+                                                            std::to_string(scan.weak_stretches),
+                                                            cell.of(scan.scan_s),
+                                                            cell.of(scan.line_s),
+                                                            cell.of(scan.cycle_s),
+                                                            cell.of(scan.process),
+                                                            cell.of(scan.decision),
+                                                            cell.of(scan.decided_by),
+                                                            yes(scan.sent),
+                                                            scan.followed ? yes(*scan.followed) : "",
+                                                            cell.of(scan.operator_name),
+                                                            std::to_string(scan.line_version),
+                                                            cell.of(scan.reason),
+                                                            local_time(scan.time),
+                                                            day.name_of(scan.time)};
+      for (std::size_t i = 0; i < cells.size(); ++i) {
+        if (i > 0) csv += style.separator;
+        csv += cells[i];
+      }
       csv += "\r\n";
     }
     if (page.next_id == 0) return csv;

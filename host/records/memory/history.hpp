@@ -4,13 +4,25 @@
 
 #include <nlohmann/json.hpp>
 
+#include "host/records/memory/factory_day.hpp"
 #include "host/records/memory/memory.hpp"
 
 namespace biteline::memory {
 
+/// How a table for people is written: each country's spreadsheet takes another one for its own.
+struct CsvStyle {
+  char separator{','};
+  char decimal{'.'};
+  bool byte_mark{false};  ///< U+FEFF first, by which Excel knows UTF-8
+};
+/// "comma", "semicolon" or "tab"; "point" or "comma".  Nothing: none of them, or both the same letter.
+[[nodiscard]] std::optional<CsvStyle> csv_style(const std::string& separator, const std::string& decimal,
+                                                bool byte_mark);
+
 /// Every scan of the filter, newest first, a row each, with a heading (RFC 4180).  The filter's limit and
-/// cursor do not count.
-[[nodiscard]] Result<std::string> history_csv(const Memory& memory, ScanFilter filter);
+/// cursor do not count.  `time` is UTC; `local_time` and `day` are the factory's.
+[[nodiscard]] Result<std::string> history_csv(const Memory& memory, ScanFilter filter,
+                                              const CsvStyle& style = {}, const FactoryDay& day = {});
 
 /// `buckets` and `reasons`.
 [[nodiscard]] nlohmann::ordered_json to_json(const Trends& trends);

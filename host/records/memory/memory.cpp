@@ -49,9 +49,11 @@ Result<std::vector<LogRow>> Memory::log_rows(std::int64_t before_id, int limit, 
   constexpr std::int64_t k_ever = std::numeric_limits<std::int64_t>::max();
   BITELINE_ASSIGN(
       Statement rows,
-      database_->prepare("SELECT id, time, who, door, action, subject, before, after FROM log WHERE id < ? "
-                         "AND time >= ? AND time < ? ORDER BY id DESC LIMIT ?"));
-  rows.bind(before_id > 0 ? before_id : k_ever).bind(from.value_or(0)).bind(to.value_or(k_ever));
+      database_->prepare(
+          "SELECT id, time, who, door, action, subject, before, after FROM log WHERE (time, id) < "
+          "(coalesce((SELECT time FROM log WHERE id = ?1), ?2), coalesce(nullif(?1, 0), ?2)) "
+          "AND time >= ?3 AND time < ?4 ORDER BY time DESC, id DESC LIMIT ?5"));
+  rows.bind(before_id).bind(k_ever).bind(from.value_or(0)).bind(to.value_or(k_ever));
   rows.bind(std::clamp(limit, 1, k_most_scans + 1));
   std::vector<LogRow> log;
   while (true) {

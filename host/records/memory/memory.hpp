@@ -115,6 +115,9 @@ struct Retention {
   std::optional<std::uint64_t> most_bytes{};
 };
 
+class FactoryDay;  // factory_day.hpp, here and below
+enum class Span;
+
 /// Thread: safe from any; one at a time.
 class Memory {
  public:
@@ -136,13 +139,13 @@ class Memory {
                                                                const std::filesystem::path& results) const;
   [[nodiscard]] Result<void> forget_folder(const std::string& name, const LogRow& event);
 
-  /// In buckets of `bucket_ms`, counted from 1970; those without a shoe are left out.
-  [[nodiscard]] Result<Trends> trends(const ScanFilter& filter, UnixMs bucket_ms) const;
+  /// In the factory's hours, days or weeks; those without a shoe are left out.
+  [[nodiscard]] Result<Trends> trends(const ScanFilter& filter, const FactoryDay& day, Span span) const;
   [[nodiscard]] Result<PlaceSums> place_sums(const std::string& model, std::optional<UnixMs> from,
                                              std::optional<UnixMs> to) const;
 
   [[nodiscard]] Result<void> log(const LogRow& row);
-  /// Newest first; `before_id` 0: from the newest.
+  /// Newest first, by their time; `before_id` 0: from the newest.
   [[nodiscard]] Result<std::vector<LogRow>> log_rows(std::int64_t before_id, int limit,
                                                      std::optional<UnixMs> from = {},
                                                      std::optional<UnixMs> to = {}) const;

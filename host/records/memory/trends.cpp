@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "host/records/memory/factory_day.hpp"
 #include "host/records/memory/memory.hpp"
 #include "host/records/memory/scan_filter.hpp"
 
@@ -48,7 +49,7 @@ struct Bucket {
 
 }  // namespace
 
-Result<Trends> Memory::trends(const ScanFilter& filter, UnixMs bucket_ms) const {
+Result<Trends> Memory::trends(const ScanFilter& filter, const FactoryDay& day, Span span) const {
   const std::lock_guard lock{*mutex_};
   Trends trends;
   const Where where = where_of(filter);
@@ -58,15 +59,17 @@ Result<Trends> Memory::trends(const ScanFilter& filter, UnixMs bucket_ms) const 
                                      where.sql + " ORDER BY time"));
   where.bind_to(rows);
   Bucket bucket;
+  Interval around;
   while (true) {
     BITELINE_ASSIGN(const bool row, rows.step());
     if (!row) break;
-    const UnixMs begin = rows.integer(0) / bucket_ms * bucket_ms;
-    if (bucket.trend.scans > 0 && begin != bucket.trend.begin) {
-      trends.buckets.push_back(bucket.close());
+    const UnixMs time = rows.integer(0);
+    if (time < around.begin || time >= around.end) {
+      if (bucket.trend.scans > 0) trends.buckets.push_back(bucket.close());
       bucket = Bucket{};
+      around = day.around(time, span);
+      bucket.trend.begin = around.begin;
     }
-    bucket.trend.begin = begin;
     bucket.add(rows);
   }
   if (bucket.trend.scans > 0) trends.buckets.push_back(bucket.close());

@@ -58,6 +58,28 @@ export function locale(): string {
   return current === 'en' ? 'en-GB' : current;
 }
 
+let zone: string | undefined;
+
+/// Times are the cell's own, wherever the page is read; a zone that the browser does not know leaves its own.
+export function set_zone(wanted: string | undefined): void {
+  if (wanted === zone) return;
+  try {
+    new Intl.DateTimeFormat('en', { timeZone: wanted });
+    zone = wanted;
+  } catch {
+    zone = undefined;
+  }
+}
+
+export function time_zone(): string | undefined {
+  return zone;
+}
+
+/// How a table is written that this language's spreadsheets open as one.
+export function csv_style(): Record<string, string> {
+  return current === 'en' ? {} : { separator: 'semicolon', decimal: 'comma', byte_mark: 'yes' };
+}
+
 export function number(value: number | null | undefined, digits = 2): string {
   if (value === null || value === undefined || !Number.isFinite(value)) return '–';
   return value.toLocaleString(locale(), { minimumFractionDigits: digits, maximumFractionDigits: digits });

@@ -35,8 +35,14 @@ export interface State {
   model?: { name: string; probability?: number } | null;
   process?: string | null;
   held?: Held | null;
+  day?: Day;
   control: Control;
   seq: number;
+}
+/// The factory's: filters and trends go by it.
+export interface Day {
+  zone: string;
+  begin: string;
 }
 /// The scan that waits for a person, and how long the gate lets it through for its age.
 export interface Held {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 // What the factory's centre answers (openapi.yaml, /fleet).
 
+import type { Day } from './api';
+
 /// In the place of a cell's state.
 export interface FleetState {
   kind: 'fleet';
@@ -8,6 +10,7 @@ export interface FleetState {
   broker: boolean;
   database: boolean;
   time: string;
+  day?: Day;
 }
 export interface Sums {
   scans: number;

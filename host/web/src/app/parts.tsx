@@ -3,7 +3,7 @@
 import type { ComponentChildren, JSX } from 'preact';
 import { useEffect, useRef, useState } from 'preact/hooks';
 import uPlot from 'uplot';
-import { locale, t, t_or } from '../words';
+import { locale, t, t_or, time_zone } from '../words';
 import type { ScanRow } from './api';
 
 /// A shape before the word: a verdict is never told by colour alone.
@@ -153,8 +153,13 @@ function date_words(times_s: number[]): string[] {
   return times_s.map((time_s) => {
     const time = new Date(1000 * time_s);
     return spans_days
-      ? time.toLocaleDateString(locale(), { day: 'numeric', month: 'short' })
-      : time.toLocaleTimeString(locale(), { hour: '2-digit', minute: '2-digit', second: '2-digit' });
+      ? time.toLocaleDateString(locale(), { day: 'numeric', month: 'short', timeZone: time_zone() })
+      : time.toLocaleTimeString(locale(), {
+          hour: '2-digit',
+          minute: '2-digit',
+          second: '2-digit',
+          timeZone: time_zone(),
+        });
   });
 }
 

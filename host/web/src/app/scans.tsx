@@ -4,7 +4,7 @@ import type { JSX } from 'preact';
 import { useEffect, useMemo, useRef, useState } from 'preact/hooks';
 import { type Hand, parse_view_data, type ResultFile, type ViewData } from '../viewer/view_data';
 import { Viewer } from '../viewer/viewer';
-import { amount, number, t, t_or } from '../words';
+import { amount, csv_style, number, t, t_or } from '../words';
 import {
   type FileRow,
   Refused,
@@ -31,12 +31,12 @@ interface Filter {
   verdict: string;
 }
 
-/// A day of the date field as the API wants it; `to` is the day's end.
+/// A day of the date field, which is the factory's; `to` is before the day behind it.
 function day(text: string, end: boolean): string | undefined {
-  if (!text) return undefined;
-  const time = new Date(`${text}T00:00:00`);
-  if (end) time.setDate(time.getDate() + 1);
-  return Number.isNaN(time.getTime()) ? undefined : time.toISOString();
+  const noon = new Date(`${text}T12:00:00Z`);
+  if (!text || Number.isNaN(noon.getTime())) return undefined;
+  if (end) noon.setUTCDate(noon.getUTCDate() + 1);
+  return noon.toISOString().slice(0, 10);
 }
 
 export function Scans(): JSX.Element {
@@ -79,7 +79,7 @@ export function Scans(): JSX.Element {
         </label>
         <a
           class="button"
-          href={`${base}/history.csv${query({ from: asked.from, to: asked.to, model: asked.model })}`}
+          href={`${base}/history.csv${query({ from: asked.from, to: asked.to, model: asked.model, ...csv_style() })}`}
           download="history.csv"
         >
           {t('csv')}

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // What the page knows of the cell; events keep it fresh, and the link comes back by itself.
 import { useEffect, useState } from 'preact/hooks';
-import { locale, t, t_or } from '../words';
+import { locale, set_zone, t, t_or, time_zone } from '../words';
 import { type Me, Refused, type Role, type ScanRow, type Sensor, type State, base, call, roles } from './api';
 import type { FleetState } from './fleet_api';
 
@@ -145,6 +145,7 @@ export async function read_me(): Promise<void> {
 export async function read_state(): Promise<void> {
   try {
     const state = await call<State | FleetState>('GET', '/state');
+    set_zone(state.day?.zone);
     change({ ...('kind' in state ? { centre: state } : { state }), host: true, turn: store.turn + 1 });
   } catch (error) {
     if (error instanceof Refused && error.code === 'host_away') change({ host: false });
@@ -279,5 +280,5 @@ export function use_reading<T>(path: string | null): { value: T | null; error: s
 export function time_words(iso: string | null | undefined): string {
   if (!iso) return t('never');
   const time = new Date(iso);
-  return Number.isNaN(time.getTime()) ? iso : time.toLocaleString(locale());
+  return Number.isNaN(time.getTime()) ? iso : time.toLocaleString(locale(), { timeZone: time_zone() });
 }

@@ -91,4 +91,22 @@ TEST(ApiScans, HistoryIsToldAsTrendsAndCsv) {
   LONGS_EQUAL(3, std::ranges::count(csv.body.get<std::string>(), '\n'));
 }
 
+TEST(ApiScans, TablesComeAsTheSpreadsheetReadsThemAndFiltersTakeTheFactorysDays) {
+  put("scan-0001", "ok");
+  log_in("vic");
+  const control::Answer csv = ask("GET", "/history.csv", {},
+                                  {{"separator", "semicolon"}, {"decimal", "comma"}, {"byte_mark", "yes"}});
+  LONGS_EQUAL(200, csv.status);
+  CHECK(csv.body.get<std::string>().starts_with("\xEF\xBB\xBFtime;scan;"));
+  for (const auto& [separator, decimal] :
+       {std::pair{"comma", "comma"}, std::pair{";", "point"}, std::pair{"tab", "both"}})
+    LONGS_EQUAL(400, ask("GET", "/history.csv", {}, {{"separator", separator}, {"decimal", decimal}}).status);
+  for (const char* from :
+       {"1970-01-01", "1970-01-01T00:00", "1970-01-01T00:00:00Z", "1970-01-01T00:00:00+08:00"})
+    LONGS_EQUAL_TEXT(1, ask("GET", "/scans", {}, {{"from", from}}).body["scans"].size(), from);
+  LONGS_EQUAL(0, ask("GET", "/scans", {}, {{"from", "1970-01-03"}}).body["scans"].size());
+  for (const char* from : {"yesterday", "27.11.2026", "2026-11-27T08:00+99:00"})
+    LONGS_EQUAL_TEXT(400, ask("GET", "/scans", {}, {{"from", from}}).status, from);
+}
+
 }  // namespace biteline::api

@@ -6,6 +6,7 @@
 
 #include <fstream>
 
+#include "host/records/memory/factory_day.hpp"
 #include "host/records/memory/outbox.hpp"
 #include "host/records/memory/schema.hpp"
 #include "tests/support/errors.hpp"
@@ -169,7 +170,7 @@ TEST(Memory, TrendsAreInBucketsWithReasonsByCount) {
     if (i == 5) scan.reason_code = "no_crease";
     SUCCEEDS(memory.put_scan(scan, by_service("result")));
   }
-  const auto trends = memory.trends({}, k_day_ms);
+  const auto trends = memory.trends({}, FactoryDay{}, Span::Day);
   SUCCEEDS(trends);
   LONGS_EQUAL(2, trends->buckets.size());
   CHECK(trends->buckets[0].begin == 20'000 * k_day_ms);
@@ -182,10 +183,10 @@ TEST(Memory, TrendsAreInBucketsWithReasonsByCount) {
   LONGS_EQUAL(1, trends->buckets[1].refused);
   LONGS_EQUAL(1, trends->reasons.size());
   STRCMP_EQUAL("no_crease", trends->reasons[0].reason_code.c_str());
-  LONGS_EQUAL(1, memory.trends({}, 7 * k_day_ms)->buckets.size());
+  LONGS_EQUAL(1, memory.trends({}, FactoryDay{}, Span::Week)->buckets.size());
   ScanFilter second;
   second.from = 20'001 * k_day_ms;
-  LONGS_EQUAL(1, memory.trends(second, k_day_ms)->buckets.size());
+  LONGS_EQUAL(1, memory.trends(second, FactoryDay{}, Span::Day)->buckets.size());
 }
 
 TEST(Memory, PlacesAreSummedByModelAndTime) {
@@ -334,6 +335,33 @@ TEST(Memory, TimesAreReadAndWrittenAsIso) {
   for (const char* bad :
        {"", "today", "2026-13-01", "2026-11-20T25:00:00", "2026-11-20x", "2026-11-20T21:04:05.123Zx"})
     CHECK_TEXT(!from_iso(bad), bad);
+}
+
+TEST(Memory, LogIsInTheOrderOfItsTimesAndPagesMissNoRow) {
+  Memory memory = opened();
+  // Rows of a clock that was put back, and of results that were taken up later.
+  const UnixMs times[] = {5000, 6000, 1000, 1000, 9000, 3000, 6000, 2000};
+  for (const UnixMs time : times)
+    SUCCEEDS(memory.log({.id = 0,
+                         .time = time,
+                         .who = "a",
+                         .door = {},
+                         .action = "b",
+                         .subject = {},
+                         .before = {},
+                         .after = {}}));
+  std::vector<LogRow> all;
+  for (std::int64_t cursor = 0;;) {
+    const auto page = memory.log_rows(cursor, 3);
+    SUCCEEDS(page);
+    all.insert(all.end(), page->begin(), page->end());
+    if (page->size() < 3) break;
+    cursor = page->back().id;
+  }
+  LONGS_EQUAL(std::size(times), all.size());
+  for (std::size_t i = 1; i < all.size(); ++i)
+    CHECK(all[i - 1].time > all[i].time || (all[i - 1].time == all[i].time && all[i - 1].id > all[i].id));
+  LONGS_EQUAL(3, memory.log_rows(0, 10, 5000, 9000)->size());
 }
 
 }  // namespace biteline::memory
