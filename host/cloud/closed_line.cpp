@@ -10,7 +10,9 @@
 #include <string_view>
 
 #include "common/core/fixed_text.hpp"
+#include "common/core/numbers.hpp"
 #include "common/csv/table.hpp"
+#include "host/cloud/far_line.hpp"
 #include "host/cloud/source_word.hpp"
 #include "host/records/report/report.hpp"
 
@@ -20,16 +22,19 @@ namespace {
 // Written with six decimals a unit vector is off by 1e-6; 1e-3 catches a lost digit or a swapped field.
 constexpr double k_unit_tolerance = 1e-3;
 
+/// 100 000 km: a double still holds a thousandth of a millimetre.
+constexpr NumberRange k_anywhere_mm{.minimum = -1e11, .maximum = 1e11};
+
 constexpr const char* k_header = "#x [mm],y [mm],z [mm],nx [],ny [],nz [],tx [],ty [],tz [],confidence []";
 constexpr const char* k_optional_header = ",u95 [mm],flags [],source []";
 constexpr std::size_t k_fields = 10, k_u95 = 10, k_flags = 11, k_source = 12, k_all_fields = 13;
 
 constexpr std::array<std::string_view, 4> k_source_words{"seen", "bridged", "carried", "mended"};
 
-Result<Vec3> read_vector(const csv::Row& row, std::size_t first_field) {
+Result<Vec3> read_vector(const csv::Row& row, std::size_t first_field, NumberRange range = k_plausible_mm) {
   Vec3 v;
   for (std::size_t i = 0; i < 3; ++i) {
-    BITELINE_ASSIGN(v[static_cast<Eigen::Index>(i)], row.number(first_field + i));
+    BITELINE_ASSIGN(v[static_cast<Eigen::Index>(i)], row.number(first_field + i, range));
   }
   return v;
 }
@@ -101,6 +106,39 @@ Result<ClosedLine> at_least_three(ClosedLine line, const std::filesystem::path& 
   return line;
 }
 
+Result<ClosedLine> line_of(const std::filesystem::path& file, NumberRange places) {
+  ClosedLine line;
+  BITELINE_TRY(csv::read_table(file, k_fields, k_all_fields, [&](const csv::Row& row) -> Result<void> {
+    LinePoint point;
+    BITELINE_ASSIGN(point.position, read_vector(row, 0, places));
+    BITELINE_ASSIGN(point.normal, read_direction(row, 3, file));
+    BITELINE_ASSIGN(point.tangent, read_direction(row, 6, file));
+    BITELINE_ASSIGN(point.confidence, row.number(9));
+    if (point.confidence < 0 || point.confidence > 1) {
+      return fail(Errc::BadValue, "%s row %d, field 10: a confidence from 0 to 1 expected", file.c_str(),
+                  row.number());
+    }
+    BITELINE_TRY(read_optional(row, file, point));
+    line.points.push_back(point);
+    return {};
+  }));
+  return at_least_three(std::move(line), file);
+}
+
+Result<ClosedLine> positions_of(const std::filesystem::path& file, NumberRange places) {
+  ClosedLine line;
+  // A truth file may carry further columns: only the first three count here.
+  constexpr std::size_t k_most_fields = 64;
+  BITELINE_TRY(csv::read_table(file, 3, k_most_fields, [&](const csv::Row& row) -> Result<void> {
+    LinePoint point{
+        .position = Vec3::Zero(), .normal = Vec3::Zero(), .tangent = Vec3::Zero(), .confidence = 0};
+    BITELINE_ASSIGN(point.position, read_vector(row, 0, places));
+    line.points.push_back(point);
+    return {};
+  }));
+  return at_least_three(std::move(line), file);
+}
+
 }  // namespace
 
 std::string_view source_word(PointSource source) {
@@ -121,36 +159,19 @@ double length_mm(const ClosedLine& line) {
 }
 
 Result<ClosedLine> read_line(const std::filesystem::path& file) {
-  ClosedLine line;
-  BITELINE_TRY(csv::read_table(file, k_fields, k_all_fields, [&](const csv::Row& row) -> Result<void> {
-    LinePoint point;
-    BITELINE_ASSIGN(point.position, read_vector(row, 0));
-    BITELINE_ASSIGN(point.normal, read_direction(row, 3, file));
-    BITELINE_ASSIGN(point.tangent, read_direction(row, 6, file));
-    BITELINE_ASSIGN(point.confidence, row.number(9));
-    if (point.confidence < 0 || point.confidence > 1) {
-      return fail(Errc::BadValue, "%s row %d, field 10: a confidence from 0 to 1 expected", file.c_str(),
-                  row.number());
-    }
-    BITELINE_TRY(read_optional(row, file, point));
-    line.points.push_back(point);
-    return {};
-  }));
-  return at_least_three(std::move(line), file);
+  return line_of(file, k_plausible_mm);
+}
+
+Result<ClosedLine> read_far_line(const std::filesystem::path& file) {
+  return line_of(file, k_anywhere_mm);
 }
 
 Result<ClosedLine> read_positions(const std::filesystem::path& file) {
-  ClosedLine line;
-  // A truth file may carry further columns: only the first three count here.
-  constexpr std::size_t k_most_fields = 64;
-  BITELINE_TRY(csv::read_table(file, 3, k_most_fields, [&](const csv::Row& row) -> Result<void> {
-    LinePoint point{
-        .position = Vec3::Zero(), .normal = Vec3::Zero(), .tangent = Vec3::Zero(), .confidence = 0};
-    BITELINE_ASSIGN(point.position, read_vector(row, 0));
-    line.points.push_back(point);
-    return {};
-  }));
-  return at_least_three(std::move(line), file);
+  return positions_of(file, k_plausible_mm);
+}
+
+Result<ClosedLine> read_far_positions(const std::filesystem::path& file) {
+  return positions_of(file, k_anywhere_mm);
 }
 
 Result<void> write_line(const std::filesystem::path& file, const ClosedLine& line) {

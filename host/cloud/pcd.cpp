@@ -9,13 +9,15 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <string_view>
 
-#include "common/core/numbers.hpp"
 #include "common/core/text.hpp"
-#include "common/system/file.hpp"
+#include "host/cloud/letters.hpp"
+#include "host/cloud/text_rows.hpp"
+#include "host/cloud/written_number.hpp"
 
 namespace biteline::cloud {
 namespace {
@@ -30,7 +32,9 @@ struct Field {
 
 struct Header {
   std::vector<Field> fields;
-  std::size_t points{0};
+  std::optional<std::size_t> told_points;
+  std::size_t width{0}, height{1};
+  std::size_t points{0};              ///< as told, or width times height
   std::string data;                   ///< ascii, binary, binary_compressed
   std::size_t begin{0};               ///< of the data in the file
   std::size_t rows{0};                ///< of the head, for messages
@@ -66,34 +70,46 @@ Result<void> check_count(const std::vector<std::string>& values, const Header& h
 
 Result<void> take_entry(Header& header, const std::string& key, const std::vector<std::string>& values,
                         const std::filesystem::path& file, std::size_t file_bytes) {
-  if (key == "FIELDS" || key == "COLUMNS") {
+  if (key == "fields" || key == "columns") {
     if (values.empty() || values.size() > k_most_fields)
       return fail(Errc::BadFormat, "%s, head's FIELDS: 1 to %zu names expected", file.c_str(), k_most_fields);
     header.fields.clear();
-    for (const std::string& name : values) header.fields.push_back({.name = name});
-  } else if (key == "SIZE") {
+    for (const std::string& name : values) header.fields.push_back({.name = small_letters(name)});
+  } else if (key == "size") {
     BITELINE_TRY(check_count(values, header, "SIZE", file));
     for (std::size_t i = 0; i < values.size(); ++i) {
       BITELINE_ASSIGN(header.fields[i].bytes, whole_number(values[i], "SIZE", file, 8));
     }
-  } else if (key == "TYPE") {
+  } else if (key == "type") {
     BITELINE_TRY(check_count(values, header, "TYPE", file));
-    for (std::size_t i = 0; i < values.size(); ++i) header.fields[i].type = values[i].front();
-  } else if (key == "COUNT") {
+    for (std::size_t i = 0; i < values.size(); ++i)
+      header.fields[i].type = static_cast<char>(values[i].front() & ~0x20);
+  } else if (key == "count") {
     BITELINE_TRY(check_count(values, header, "COUNT", file));
     for (std::size_t i = 0; i < values.size(); ++i) {
       BITELINE_ASSIGN(header.fields[i].count, whole_number(values[i], "COUNT", file, k_most_count));
     }
-  } else if (key == "POINTS" && !values.empty()) {
+  } else if (key == "points" && !values.empty()) {
     // A point takes more than one byte of the file, packed ones included: the packer saves at most 1 in 100.
-    BITELINE_ASSIGN(header.points, whole_number(values[0], "POINTS", file, 100 * file_bytes));
-  } else if (key == "DATA" && !values.empty()) {
-    header.data = values[0];
+    BITELINE_ASSIGN(header.told_points, whole_number(values[0], "POINTS", file, 100 * file_bytes));
+  } else if (key == "width" && !values.empty()) {
+    BITELINE_ASSIGN(header.width, whole_number(values[0], "WIDTH", file, 100 * file_bytes));
+  } else if (key == "height" && !values.empty()) {
+    BITELINE_ASSIGN(header.height, whole_number(values[0], "HEIGHT", file, 100 * file_bytes));
+  } else if (key == "data" && !values.empty()) {
+    header.data = small_letters(values[0]);
   }
   return {};
 }
 
-Result<void> check_header(Header& header, const std::filesystem::path& file) {
+Result<void> check_header(Header& header, const std::filesystem::path& file, std::size_t file_bytes) {
+  const std::size_t most = 100 * file_bytes;
+  const bool organised = header.height > 0 && header.width <= most / header.height;
+  header.points = header.told_points.value_or(organised ? header.width * header.height : 0);
+  if (header.points == 0) {
+    return fail(Errc::BadFormat, "%s, head: POINTS, or WIDTH and HEIGHT, of at least one point expected",
+                file.c_str());
+  }
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const std::string name(1, static_cast<char>('x' + axis));
     const auto found = std::ranges::find(header.fields, name, &Field::name);
@@ -102,9 +118,10 @@ Result<void> check_header(Header& header, const std::filesystem::path& file) {
     header.axes[axis] = static_cast<std::size_t>(found - header.fields.begin());
     const bool known = found->type == 'F' ? found->bytes == 4 || found->bytes == 8
                                           : (found->type == 'I' || found->type == 'U') &&
-                                                (found->bytes == 1 || found->bytes == 2 || found->bytes == 4);
+                                                (found->bytes == 1 || found->bytes == 2 ||
+                                                 found->bytes == 4 || found->bytes == 8);
     if (!known) {
-      return fail(Errc::BadFormat, "%s, field %s: F 4, F 8, I or U 1, 2, 4 expected", file.c_str(),
+      return fail(Errc::BadFormat, "%s, field %s: F 4, F 8, I or U 1, 2, 4, 8 expected", file.c_str(),
                   name.c_str());
     }
   }
@@ -125,11 +142,12 @@ Result<Header> parse_header(std::string_view bytes, const std::filesystem::path&
     ++header.rows;
     std::string key;
     if (!(row >> key) || key.front() == '#') continue;
+    key = small_letters(key);
     std::vector<std::string> values;
     for (std::string value; row >> value;) values.push_back(value);
     BITELINE_TRY(take_entry(header, key, values, file, bytes.size()));
-    if (key != "DATA") continue;
-    BITELINE_TRY(check_header(header, file));
+    if (key != "data") continue;
+    BITELINE_TRY(check_header(header, file, bytes.size()));
     return header;
   }
   return fail(Errc::BadFormat, "%s: a PCD head with DATA expected", file.c_str());
@@ -141,9 +159,17 @@ double value_at(const char* at, const Field& field) {
     return static_cast<double>(value);
   };
   if (field.type == 'F') return field.bytes == 4 ? as(float{}) : as(double{});
-  if (field.type == 'I')
-    return field.bytes == 1 ? as(std::int8_t{}) : field.bytes == 2 ? as(std::int16_t{}) : as(std::int32_t{});
-  return field.bytes == 1 ? as(std::uint8_t{}) : field.bytes == 2 ? as(std::uint16_t{}) : as(std::uint32_t{});
+  const bool sign = field.type == 'I';
+  switch (field.bytes) {
+    case 1:
+      return sign ? as(std::int8_t{}) : as(std::uint8_t{});
+    case 2:
+      return sign ? as(std::int16_t{}) : as(std::uint16_t{});
+    case 4:
+      return sign ? as(std::int32_t{}) : as(std::uint32_t{});
+    default:
+      return sign ? as(std::int64_t{}) : as(std::uint64_t{});
+  }
 }
 
 /// Where a field's value of one point lies: point after point (binary), or field after field (compressed).
@@ -161,23 +187,15 @@ Layout layout_of(const Header& header, bool by_field) {
   return layout;
 }
 
-void keep(const Eigen::Vector3d& xyz, std::vector<Eigen::Vector3f>& points, std::size_t& dropped) {
-  if (is_plausible_place(xyz)) {
-    points.emplace_back(xyz.cast<float>());
-  } else {
-    ++dropped;
-  }
-}
-
-Result<std::vector<Eigen::Vector3f>> read_binary(std::string_view data, const Header& header, bool by_field,
-                                                 const std::filesystem::path& file, std::size_t& dropped) {
+Result<std::vector<Eigen::Vector3d>> read_binary(std::string_view data, const Header& header, bool by_field,
+                                                 const std::filesystem::path& file) {
   const std::size_t needed = header.points * header.row_bytes();
   if (data.size() < needed) {
     return fail(Errc::Truncated, "%s: %zu bytes of points expected, found %zu", file.c_str(), needed,
                 data.size());
   }
   const Layout layout = layout_of(header, by_field);
-  std::vector<Eigen::Vector3f> points;
+  std::vector<Eigen::Vector3d> points;
   points.reserve(header.points);
   for (std::size_t i = 0; i < header.points; ++i) {
     Eigen::Vector3d xyz;
@@ -185,7 +203,7 @@ Result<std::vector<Eigen::Vector3f>> read_binary(std::string_view data, const He
       xyz[static_cast<int>(axis)] = value_at(data.data() + layout.first[axis] + i * layout.step[axis],
                                              header.fields[header.axes[axis]]);
     }
-    keep(xyz, points, dropped);
+    points.push_back(xyz);
   }
   return points;
 }
@@ -206,13 +224,16 @@ Result<std::string> unpacked(std::string_view data, const Header& header, const 
                 header.points * header.row_bytes(), whole);
   }
   std::string points(whole, '\0');
-  if (lzf_decompress(data.data(), packed, points.data(), whole) != whole)
+  // What did not become smaller some writers leave as it is.
+  if (lzf_decompress(data.data(), packed, points.data(), whole) != whole) {
+    if (packed == whole) return std::string(data.substr(0, whole));
     return fail(Errc::BadFormat, "%s: the packed points are damaged", file.c_str());
+  }
   return points;
 }
 
-Result<std::vector<Eigen::Vector3f>> read_ascii(std::string_view data, const Header& header,
-                                                const std::filesystem::path& file, std::size_t& dropped) {
+Result<std::vector<Eigen::Vector3d>> read_ascii(std::string_view data, const Header& header,
+                                                const std::filesystem::path& file) {
   std::array<std::size_t, 3> column{};  // of x, y, z among the numbers of a row
   std::size_t columns = 0;
   for (std::size_t i = 0; i < header.fields.size(); ++i) {
@@ -221,47 +242,52 @@ Result<std::vector<Eigen::Vector3f>> read_ascii(std::string_view data, const Hea
     }
     columns += header.fields[i].count;
   }
-  std::vector<Eigen::Vector3f> points;
-  std::size_t at = 0, row = header.rows;
-  for (std::size_t i = 0; i < header.points; ++i) {
+  std::vector<Eigen::Vector3d> points;
+  TextRows rows{data};
+  std::string_view row;
+  while (points.size() < header.points && rows.next(row)) {
+    TextFields fields{row, k_blanks};
     Eigen::Vector3d xyz = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
-    const std::size_t end = std::min(data.find('\n', at), data.size());
-    ++row;
-    for (std::size_t c = 0; c < columns; ++c) {
-      at = std::min(data.find_first_not_of(" \t\r", at), data.size());
-      const std::size_t stop = std::min(data.find_first_of(" \t\r\n", at), data.size());
-      if (at >= end || stop > end) {
-        return fail(Errc::Truncated, "%s row %zu: %zu numbers expected, found %zu", file.c_str(), row,
-                    columns, c);
-      }
+    std::size_t c = 0;
+    for (std::string_view field; c < columns && fields.next(field); ++c) {
       for (std::size_t axis = 0; axis < 3; ++axis) {
         if (column[axis] != c) continue;
-        const auto [read_to, status] =
-            std::from_chars(data.data() + at, data.data() + stop, xyz[static_cast<int>(axis)]);
-        if (status == std::errc::invalid_argument || read_to != data.data() + stop) {
+        if (written_number(field, '.', xyz[static_cast<Eigen::Index>(axis)]) == Written::Wrong) {
           return fail(Errc::BadValue, "%s row %zu, field %zu: a number expected, found '%s'", file.c_str(),
-                      row, c + 1, clean_text(data.substr(at, stop - at), 20).c_str());
+                      header.rows + rows.number(), c + 1, clean_text(field, 20).c_str());
         }
       }
-      at = stop;
     }
-    at = std::min(end + 1, data.size());
-    keep(xyz, points, dropped);
+    if (c == 0) continue;  // a blank row
+    if (c < columns) {
+      return fail(Errc::Truncated, "%s row %zu: %zu numbers expected, found %zu", file.c_str(),
+                  header.rows + rows.number(), columns, c);
+    }
+    points.push_back(xyz);
+  }
+  if (points.size() < header.points) {
+    return fail(Errc::Truncated, "%s row %zu: %zu numbers expected, found 0", file.c_str(),
+                header.rows + rows.number() + 1, columns);
   }
   return points;
 }
 
 }  // namespace
 
-Result<std::vector<Eigen::Vector3f>> read_pcd(const std::filesystem::path& file, std::size_t& dropped) {
-  BITELINE_ASSIGN(const std::string bytes, read_regular_file(file, k_most_cloud_bytes));
+Result<FileContent> read_pcd(std::string_view bytes, const std::filesystem::path& file) {
   BITELINE_ASSIGN(const Header header, parse_header(bytes, file));
-  const std::string_view data = std::string_view{bytes}.substr(header.begin);
-  dropped = 0;
-  if (header.data == "ascii") return read_ascii(data, header, file, dropped);
-  if (header.data == "binary") return read_binary(data, header, false, file, dropped);
-  BITELINE_ASSIGN(const std::string points, unpacked(data, header, file));
-  return read_binary(points, header, true, file, dropped);
+  const std::string_view data = bytes.substr(header.begin);
+  FileContent content;
+  if (header.data == "ascii") {
+    BITELINE_ASSIGN(content.places, read_ascii(data, header, file));
+  } else if (header.data == "binary") {
+    BITELINE_ASSIGN(content.places, read_binary(data, header, false, file));
+  } else {
+    BITELINE_ASSIGN(const std::string points, unpacked(data, header, file));
+    BITELINE_ASSIGN(content.places, read_binary(points, header, true, file));
+  }
+  content.layout = header.data + " PCD";
+  return content;
 }
 
 }  // namespace biteline::cloud

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "host/cloud/ply.hpp"
+#include "host/cloud/ply_file.hpp"
 
 namespace biteline::cloud {
 namespace {
@@ -59,16 +60,17 @@ void put_field(std::string& row, const T& value) {
   row.append(reinterpret_cast<const char*>(&value), sizeof value);
 }
 
-}  // namespace
-
-Result<void> write_cloud(const std::filesystem::path& file, const PointCloud& cloud) {
+Result<void> write(const std::filesystem::path& file, const PointCloud& cloud,
+                   const Eigen::Vector3d& origin) {
   BITELINE_ASSIGN(BinaryWriter writer, BinaryWriter::open(file));
   const bool normals = !cloud.normals.empty(), order = cloud.organised(), sigma = !cloud.sigma_mm.empty(),
              flags = !cloud.flags.empty(), curvature = !cloud.mean_per_mm.empty(),
-             amplitude = !cloud.amplitude.empty(), width = !cloud.width_px.empty();
+             amplitude = !cloud.amplitude.empty(), width = !cloud.width_px.empty(), far = !origin.isZero();
+  const std::string type = far ? "double" : "float";
   std::string header =
       "ply\nformat binary_little_endian 1.0\ncomment lengths in mm, robot base frame\nelement vertex " +
-      std::to_string(cloud.size()) + "\nproperty float x\nproperty float y\nproperty float z\n";
+      std::to_string(cloud.size()) + "\nproperty " + type + " x\nproperty " + type + " y\nproperty " + type +
+      " z\n";
   if (normals) header += "property float nx\nproperty float ny\nproperty float nz\n";
   if (order) header += "property uint profile\nproperty ushort column\n";
   if (sigma) header += "property float sigma_mm\n";
@@ -80,7 +82,12 @@ Result<void> write_cloud(const std::filesystem::path& file, const PointCloud& cl
   std::string row;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     row.clear();
-    for (int k = 0; k < 3; ++k) put_field(row, cloud.points[i][k]);
+    for (int k = 0; k < 3; ++k) {
+      if (far)
+        put_field(row, static_cast<double>(cloud.points[i][k]) + origin[k]);
+      else
+        put_field(row, cloud.points[i][k]);
+    }
     for (int k = 0; normals && k < 3; ++k) put_field(row, cloud.normals[i][k]);
     if (order) {
       put_field(row, cloud.profile[i]);
@@ -94,6 +101,17 @@ Result<void> write_cloud(const std::filesystem::path& file, const PointCloud& cl
     writer.put(row);
   }
   return writer.close();
+}
+
+}  // namespace
+
+Result<void> write_cloud(const std::filesystem::path& file, const PointCloud& cloud) {
+  return write(file, cloud, Eigen::Vector3d::Zero());
+}
+
+Result<void> write_far_cloud(const std::filesystem::path& file, const PointCloud& cloud,
+                             const Eigen::Vector3d& origin) {
+  return write(file, cloud, origin);
 }
 
 }  // namespace biteline::cloud

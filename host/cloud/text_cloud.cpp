@@ -2,162 +2,114 @@
 #include "host/cloud/text_cloud.hpp"
 
 #include <algorithm>
-#include <array>
-#include <charconv>
-#include <functional>
-#include <limits>
-#include <optional>
-#include <string>
-#include <string_view>
 
-#include "common/core/numbers.hpp"
 #include "common/core/text.hpp"
-#include "common/system/file.hpp"
+#include "host/cloud/text_encoding.hpp"
+#include "host/cloud/text_layout.hpp"
+#include "host/cloud/text_rows.hpp"
+#include "host/cloud/written_number.hpp"
 
 namespace biteline::cloud {
 namespace {
 
-constexpr std::string_view k_between = " \t\r,;";
+namespace fs = std::filesystem;
 
-/// The next field of `line`, taken off its front; empty at the end.  Two commas beside each other count as
-/// one: no program writes a place with an empty number in it.
-std::string_view take_field(std::string_view& line, std::string_view between = k_between) {
-  const auto begin = line.find_first_not_of(between);
-  if (begin == std::string_view::npos) return line = {};
-  line.remove_prefix(begin);
-  const std::string_view field = line.substr(0, line.find_first_of(between));
-  line.remove_prefix(field.size());
-  return field;
+bool has_digit(std::string_view row) {
+  return row.find_first_of("0123456789") != std::string_view::npos;
 }
 
-std::optional<double> number(std::string_view text) {
-  if (text.starts_with('+')) text.remove_prefix(1);
-  double value = 0;
-  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (text.empty() || end != text.data() + text.size() || status == std::errc::invalid_argument)
-    return std::nullopt;
-  // Beyond what a double holds: as far away as one can be.
-  return status == std::errc::result_out_of_range ? std::numeric_limits<double>::infinity() : value;
-}
-
-/// Which field of a row is x, y and z.
-using Columns = std::array<std::size_t, 3>;
-
-/// A head line names its columns: "x,y,z", "X Y Z Intensity", "Points_0;Points_1;Points_2".
-std::optional<Columns> columns_of_head(std::string_view line) {
-  Columns columns{};
-  std::array<bool, 3> found{};
-  std::size_t field_number = 0;
-  // Names may have blanks in them where commas part them: "X [mm]".
-  const bool parted = line.find_first_of(",;\t") != std::string_view::npos;
-  while (true) {
-    std::string_view field = take_field(line, parted ? ",;\t\r" : k_between);
-    if (field.empty()) break;
-    field.remove_prefix(std::min(field.find_first_not_of(" \"/"), field.size()));
-    field = field.substr(0, field.find_last_not_of(" \"") + 1);
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const auto letter = static_cast<char>('x' + axis);
-      const bool is_letter = !field.empty() && (field.front() | 0x20) == letter &&
-                             (field.size() == 1 || field.find_first_of(" [(_") == 1);
-      const bool is_number = field.ends_with(static_cast<char>('0' + axis)) && field.size() > 1 &&
-                             (field[field.size() - 2] == '_' || field[field.size() - 2] == ':');
-      if (!found[axis] && (is_letter || is_number)) {
-        columns[axis] = field_number;
-        found[axis] = true;
-      }
-    }
-    ++field_number;
-  }
-  return std::ranges::all_of(found, std::identity{}) ? std::optional{columns} : std::nullopt;
-}
-
-/// Rows of a text, one after another, with their numbers.
-class Lines {
+class Reader {
  public:
-  explicit Lines(std::string_view text) : text_{text} {}
-  /// The next row that is neither empty nor a comment; false at the end.
-  bool next(std::string_view& line) {
-    while (!text_.empty()) {
-      const std::size_t end = std::min(text_.find('\n'), text_.size());
-      line = text_.substr(0, end);
-      text_.remove_prefix(std::min(end + 1, text_.size()));
-      ++number_;
-      const auto first = line.find_first_not_of(" \t\r");
-      if (first == std::string_view::npos || line[first] == '#') continue;
-      line.remove_prefix(first);
-      return true;
-    }
-    return false;
+  Reader(const TextLayout& layout, const fs::path& file) : layout_{layout}, file_{file} {
+    for (std::size_t axis = 0; axis < 3; ++axis) axis_of_[layout.columns[axis]] = axis;
+    last_ = *std::ranges::max_element(layout.columns);
   }
-  [[nodiscard]] std::size_t number() const { return number_; }
+
+  Result<void> take(std::string_view row, std::size_t number) {
+    if (row.empty() || is_comment(row)) return {};
+    Eigen::Vector3d place;
+    bool numbers = true;
+    std::size_t field_number = 0, surplus = 0;
+    TextFields fields{row, layout_.separator};
+    for (std::string_view field; fields.next(field); ++field_number) {
+      if (field_number > last_) {
+        surplus += field_number >= layout_.fields && !field.empty() ? 1 : 0;
+        continue;
+      }
+      const std::size_t axis = axis_of_[field_number];
+      if (axis > 2) continue;
+      const Written written = written_number(field, layout_.decimal, place[static_cast<Eigen::Index>(axis)]);
+      if (written == Written::Wrong && has_digit(row)) return wrong(field, field_number, number);
+      numbers = numbers && written == Written::Number;
+    }
+    if (field_number <= last_ || surplus > 0 ||
+        (layout_.separator == k_blanks && field_number != layout_.fields))
+      return other_count(row, field_number, number);
+    if (numbers) {
+      content.places.push_back(place);
+    } else {
+      ++content.without_number;
+    }
+    return {};
+  }
+
+  FileContent content;
 
  private:
-  std::string_view text_;
-  std::size_t number_{0};
-};
-
-bool is_count(std::string_view line) {
-  const std::string_view field = take_field(line);
-  return take_field(line).empty() && !field.empty() &&
-         field.find_first_not_of("0123456789") == std::string_view::npos;
-}
-
-Result<Eigen::Vector3d> place(std::string_view line, const Columns& columns,
-                              const std::filesystem::path& file, std::size_t row) {
-  const bool decimal_comma = line.find(';') != std::string_view::npos &&
-                             line.find(',') != std::string_view::npos &&
-                             line.find('.') == std::string_view::npos;
-  if (decimal_comma)
-    return fail(Errc::BadFormat, "%s row %zu: a decimal point expected, found a decimal comma", file.c_str(),
-                row);
-  Eigen::Vector3d xyz;
-  const std::size_t last = *std::ranges::max_element(columns);
-  for (std::size_t i = 0; i <= last; ++i) {
-    const std::string_view field = take_field(line);
-    if (field.empty())
-      return fail(Errc::BadFormat, "%s row %zu: %zu numbers expected, found %zu", file.c_str(), row, last + 1,
-                  i);
-    const auto axis = std::ranges::find(columns, i);
-    if (axis == columns.end()) continue;
-    const std::optional<double> value = number(field);
-    if (!value) {
-      return fail(Errc::BadValue, "%s row %zu, field %zu: a number expected, found '%s'", file.c_str(), row,
-                  i + 1, clean_text(field, 20).c_str());
-    }
-    xyz[axis - columns.begin()] = *value;
+  tl::unexpected<Error> wrong(std::string_view field, std::size_t field_number, std::size_t number) const {
+    return fail(Errc::BadValue, "%s row %zu, field %zu: a number expected, found '%s'", file_.c_str(), number,
+                field_number + 1, clean_text(field, 20).c_str());
   }
-  return xyz;
-}
+  Result<void> other_count(std::string_view row, std::size_t found, std::size_t number) {
+    if (trimmed(row).empty()) return {};
+    // "END", a head once more, a line of dashes.
+    if (!has_digit(row)) {
+      ++content.without_number;
+      return {};
+    }
+    // The next block of points begins with its own count.
+    if (layout_.promised && lone_count(row)) {
+      promised_more_ += *lone_count(row);
+      return {};
+    }
+    return fail(Errc::BadFormat, "%s row %zu: %zu numbers expected, as in the rows before, found %zu",
+                file_.c_str(), number, layout_.fields, found);
+  }
+
+ public:
+  Result<void> check_count() const {
+    const std::size_t found = content.places.size() + content.without_number;
+    if (!layout_.promised || found >= *layout_.promised + promised_more_) return {};
+    return fail(Errc::Truncated, "%s: %llu points expected, as the file itself says, found %zu",
+                file_.c_str(), static_cast<unsigned long long>(*layout_.promised + promised_more_), found);
+  }
+
+ private:
+  const TextLayout& layout_;
+  const fs::path& file_;
+  std::array<std::size_t, 256> axis_of_ = [] {
+    std::array<std::size_t, 256> none{};
+    none.fill(3);
+    return none;
+  }();
+  std::size_t last_{0};
+  std::uint64_t promised_more_{0};
+};
 
 }  // namespace
 
-Result<std::vector<Eigen::Vector3f>> read_text_cloud(const std::filesystem::path& file,
-                                                     std::size_t& dropped) {
-  BITELINE_ASSIGN(const std::string text, read_regular_file(file, k_most_cloud_bytes));
-  Lines lines{text};
-  Columns columns{0, 1, 2};
-  std::vector<Eigen::Vector3f> points;
-  dropped = 0;
-  bool head_may_come = true;
-  for (std::string_view line; lines.next(line);) {
-    if (head_may_come) {
-      if (is_count(line)) continue;
-      if (const auto named = columns_of_head(line)) {
-        columns = *named;
-        head_may_come = false;
-        continue;
-      }
-    }
-    if (line.starts_with("//")) continue;
-    head_may_come = false;
-    BITELINE_ASSIGN(const Eigen::Vector3d xyz, place(line, columns, file, lines.number()));
-    if (is_plausible_place(xyz)) {
-      points.emplace_back(xyz.cast<float>());
-    } else {
-      ++dropped;
-    }
+Result<FileContent> read_text_cloud(std::string bytes, const fs::path& file) {
+  BITELINE_ASSIGN(const std::string text, as_plain_text(std::move(bytes), file));
+  BITELINE_ASSIGN(const TextLayout layout, text_layout(text, file));
+  Reader reader{layout, file};
+  TextRows rows{text};
+  for (std::string_view row; rows.next(row);) {
+    if (rows.number() >= layout.first_row) BITELINE_TRY(reader.take(row, rows.number()));
   }
-  return points;
+  BITELINE_TRY(reader.check_count());
+  reader.content.layout = layout.words();
+  reader.content.unit = layout.unit;
+  return std::move(reader.content);
 }
 
 }  // namespace biteline::cloud

@@ -2,19 +2,17 @@
 #pragma once
 /// \file Clouds as rows of numbers: xyz, csv, txt, asc, pts.
 
-#include <Eigen/Core>
-#include <filesystem>
-#include <vector>
+#include <string>
 
 #include "common/core/result.hpp"
+#include "host/cloud/file_content.hpp"
 
 namespace biteline::cloud {
 
-/// One point a row: x y z first, in the file's unit; what follows is not read.  Fields stand apart by comma,
-/// semicolon, tab or blanks.  Rows that begin with # or // are comments; one head line of names (which
-/// may place x, y and z elsewhere) and one count of points may stand first.  Points that are not finite or
-/// beyond 1e5 are left out and counted.  Fails naming row and field; a decimal comma is named as such.
-[[nodiscard]] Result<std::vector<Eigen::Vector3f>> read_text_cloud(const std::filesystem::path& file,
-                                                                   std::size_t& dropped);
+/// One point a row, in the file's unit.  `text_layout()` finds how the file is written; each row is then read
+/// strictly so.  A row whose x, y or z is empty or a word is a point without number.  Rows that begin with #,
+/// //, % or ! are comments.  Fails naming row and field: digits that are no number, another number of fields
+/// than before, fewer points than the file itself says.
+[[nodiscard]] Result<FileContent> read_text_cloud(std::string bytes, const std::filesystem::path& file);
 
 }  // namespace biteline::cloud

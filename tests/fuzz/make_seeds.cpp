@@ -59,6 +59,29 @@ void clouds(Seeds& seeds) {
       "element face 1\nproperty list uchar int vertex_indices\nend_header\n1 2 3\n4 5e1 6\n3 0 1 0\n");
 }
 
+/// The digit in front chooses the reader.
+void other_clouds(Seeds& seeds) {
+  seeds.bytes("clouds", "comma", "0sep=;\r\n;X [mm];Y [mm];Z [mm]\r\n1;1,5;2,5;3,5\r\n2;4,5;\"5,5\";\r\n");
+  seeds.bytes("clouds", "fortran", "0! made\n2\n 1.0D+01 -2.5D-02 1.#QNAN\n 4.0D+00 5.0D+00 6.0D+00\n");
+  seeds.bytes("clouds", "index", "0,0,1,2\n0,1.5,2.5,3.5\n1,4.5,,6.5\n");
+  seeds.bytes(
+      "clouds", "pcd",
+      "1# .PCD\nVERSION .7\nFIELDS x y z n\nSIZE 4 4 8 2\nTYPE F F F I\nCOUNT 1 1 1 2\nWIDTH 2\nHEIGHT 1\n"
+      "DATA ascii\n1 2 3 4 5\nnan 5 6 7 8\n");
+  seeds.bytes(
+      "clouds", "stl",
+      "2 solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 nan\nendloop\n"
+      "endfacet\nendsolid\n");
+  seeds.bytes("clouds", "binary_stl",
+              "2" + std::string(80, ' ') + std::string("\1\0\0\0", 4) + std::string(50, '\0'));
+  seeds.bytes("clouds", "obj", "3f 1 2 \\\n 3 4\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 nan\nf -1//1 -2 -3\n");
+  seeds.bytes(
+      "clouds", "ply",
+      "4ply\rformat ascii 1.0\relement tristrips 1\rproperty list int int vertex_indices\relement vertex 4\r"
+      "property int64 t\rproperty float X\rproperty float Y\rproperty float Z\rend header\r6 0 1 2 -1 2 3\r"
+      "9 0 0 0\r9 1 0 0\r9 1 1 1.#IND\r9 0 1 0\r");
+}
+
 void tables(Seeds& seeds) {
   cloud::ClosedLine line;
   std::vector<session::StampedPose> poses;
@@ -161,6 +184,7 @@ int main(int argc, char** argv) {
   if (argc != 2) return 2;
   Seeds seeds{.root = argv[1]};
   clouds(seeds);
+  other_clouds(seeds);
   tables(seeds);
   messages(seeds);
   doors(seeds);

@@ -10,6 +10,7 @@
 #include "host/apps/biteline/command.hpp"
 #include "host/bite_line/evaluation/cloud_error.hpp"
 #include "host/bite_line/evaluation/line_error.hpp"
+#include "host/cloud/far_line.hpp"
 #include "host/cloud/ply.hpp"
 #include "host/records/report/json_text.hpp"
 
@@ -20,7 +21,7 @@ namespace fs = std::filesystem;
 
 struct EvaluateOptions {
   fs::path line, truth, cloud, surface;
-  std::optional<cloud::Unit> unit;
+  cloud::Reading reading;
   bool align{false};
 };
 
@@ -52,8 +53,8 @@ ExitStatus tell_figures(const nlohmann::ordered_json& figures, const GlobalOptio
 }
 
 Result<ExitStatus> evaluate_line(const EvaluateOptions& options, const GlobalOptions& global) {
-  BITELINE_ASSIGN(const cloud::ClosedLine result, cloud::read_line(options.line));
-  BITELINE_ASSIGN(const cloud::ClosedLine truth, cloud::read_positions(options.truth));
+  BITELINE_ASSIGN(const cloud::ClosedLine result, cloud::read_far_line(options.line));
+  BITELINE_ASSIGN(const cloud::ClosedLine truth, cloud::read_far_positions(options.truth));
   const evaluation::LineError error =
       options.align ? evaluation::line_error_aligned(result, truth) : evaluation::line_error(result, truth);
   nlohmann::ordered_json figures{{"mean", error.mean_mm},
@@ -80,7 +81,8 @@ Result<ExitStatus> evaluate_line(const EvaluateOptions& options, const GlobalOpt
 }
 
 Result<ExitStatus> evaluate_cloud(const EvaluateOptions& options, const GlobalOptions& global) {
-  BITELINE_ASSIGN(const cloud::CloudFile file, cloud::read_cloud_file(options.cloud, options.unit));
+  BITELINE_ASSIGN(const cloud::CloudFile file, cloud::read_cloud_file(options.cloud, options.reading));
+  BITELINE_TRY(near_origin(file, options.cloud));
   const cloud::PointCloud& cloud = file.cloud;
   BITELINE_ASSIGN(const cloud::TriangleMesh mesh, cloud::read_mesh(options.surface));
   const evaluation::ReferenceSurface surface{mesh};
@@ -99,7 +101,8 @@ Result<ExitStatus> evaluate_cloud(const EvaluateOptions& options, const GlobalOp
                        {"min", error.min_mm},
                        {"max", error.max_mm},
                        {"points", error.points},
-                       {"points_far", error.points_far}},
+                       {"points_far", error.points_far},
+                       {"cloud_file", as_json(file, options.reading)}},
                       global);
 }
 
@@ -113,7 +116,7 @@ void add_evaluate(options::Command& app, Context& context) {
   auto* truth = command->add_option("--truth", options->truth, "The true line: rows that begin with x, y, z");
   auto* cloud =
       command->add_option("--cloud", options->cloud, std::string{"A cloud to measure: "} + k_cloud_kinds);
-  add_unit_option(*command, options->unit);
+  add_reading_options(*command, options->reading);
   command->add_option("--surface", options->surface,
                       "The true surface, a PLY mesh; with --line it serves the normals' error");
   command->add_flag("--align", options->align, "Measure after the best rigid alignment");

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // biteline line: a found line for other people's programs.
 #include "host/apps/biteline/line_edit.hpp"
-#include "host/cloud/closed_line.hpp"
+#include "host/cloud/far_line.hpp"
 #include "host/records/line_files/line_file.hpp"
 
 namespace biteline::app {
@@ -13,7 +13,7 @@ struct LineOptions {
 
 Result<ExitStatus> export_line(const LineOptions& options, const GlobalOptions& global) {
   report::Report report;
-  BITELINE_ASSIGN(const cloud::ClosedLine line, cloud::read_line(options.line));
+  BITELINE_ASSIGN(const cloud::ClosedLine line, cloud::read_far_line(options.line));
   BITELINE_TRY(line_files::write_line_file(options.out, line));
   report.fields["file"] = options.out.filename().string();
   report.fields["points"] = line.points.size();

@@ -23,7 +23,7 @@ constexpr double k_rad_per_deg = std::numbers::pi / 180;
 
 struct PlanOptions {
   fs::path line, process, scan, out, kinematics, cloud, touches;
-  std::optional<cloud::Unit> unit;
+  cloud::Reading reading;
   std::string robot;
   std::vector<double> base_at{0, 0, 0, 0};  // x y z [mm], yaw [deg]
   std::vector<double> from_deg;
@@ -60,7 +60,9 @@ Result<path::PlanRequest> read_request(const PlanOptions& options, report::Repor
   }
   BITELINE_ASSIGN(request.line, cloud::read_line(options.line));
   if (!options.cloud.empty()) {
-    BITELINE_ASSIGN(cloud::CloudFile file, cloud::read_cloud_file(options.cloud, options.unit));
+    BITELINE_ASSIGN(cloud::CloudFile file, cloud::read_cloud_file(options.cloud, options.reading));
+    BITELINE_TRY(near_origin(file, options.cloud));
+    report.fields["cloud_file"] = as_json(file, options.reading);
     request.cloud = std::move(file.cloud.points);
   }
   request.T_line_base = geometry::make_se3(
@@ -145,7 +147,7 @@ void add_plan(options::Command& app, Context& context) {
       ->capture_default_str();
   command->add_option("--cloud", options->cloud,
                       "The shoe's cloud for collisions; without it the shoe is guessed from the line");
-  add_unit_option(*command, options->unit);
+  add_reading_options(*command, options->reading);
   command->callback([options, &context] {
     context.run = [options, &context] { return run_plan(*options, context.options); };
   });

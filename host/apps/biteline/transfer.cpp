@@ -19,7 +19,7 @@ namespace {
 struct TransferOptions {
   std::string sample;  ///< folder, or a model's name; empty: find the model
   std::filesystem::path upper, out, library{transfer::Library::default_folder()};
-  std::optional<cloud::Unit> unit;
+  cloud::Reading reading;
   transfer::TransferOptions transfer;
 };
 
@@ -58,20 +58,34 @@ Result<transfer::Transfer> carry_over(const TransferOptions& options, const clou
   return report.timed("transfer", [&] { return transfer::transfer_line(sample, upper, options.transfer); });
 }
 
+/// An upper that is to be read otherwise: report.json alone.
+Result<ExitStatus> refuse(const TransferOptions& options, report::ToldRefusal refusal,
+                          const cloud::CloudFile& upper, report::Report& report,
+                          const GlobalOptions& global) {
+  const std::string words = "biteline: read: " + upper.understood + "\nbiteline: refused: " + refusal.reason;
+  report.refuse(std::move(refusal));
+  BITELINE_TRY(report.write(options.out));
+  return tell(report, global, words);
+}
+
 Result<ExitStatus> transfer(const TransferOptions& options, const GlobalOptions& global) {
   report::Report report;
   BITELINE_TRY(results::prepare_result_folder(options.out));
-  BITELINE_ASSIGN(const cloud::CloudFile upper,
-                  report.timed("read", [&] { return cloud::read_cloud_file(options.upper, options.unit); }));
+  BITELINE_ASSIGN(const cloud::CloudFile upper, report.timed("read", [&] {
+    return cloud::read_cloud_file(options.upper, options.reading);
+  }));
   report.fields["upper"] = options.upper.filename().string();
-  if (const auto refusal = cloud::unit_refusal(upper.cloud, options.unit)) {
-    report.refuse(*refusal);
-    BITELINE_TRY(report.write(options.out));
-    return tell(report, global, "biteline: refused: " + refusal->reason);
-  }
+  report.fields["cloud_file"] = as_json(upper, options.reading);
+  if (const auto refusal = cloud::unit_refusal(upper))
+    return refuse(options, report::told(*refusal), upper, report, global);
   BITELINE_ASSIGN(const transfer::Transfer result, carry_over(options, upper.cloud, report));
   BITELINE_TRY(results::write_transfer_result(options.out, upper.cloud, result, report));
-  return tell(report, global, results::summary(result));
+  if (result.found && !upper.origin.isZero()) {
+    cloud::ClosedLine line = result.carried.line;
+    for (cloud::LinePoint& point : line.points) point.position += upper.origin;
+    BITELINE_TRY(cloud::write_line(options.out / "line.csv", line));
+  }
+  return tell(report, global, "read: " + upper.understood + "\n" + results::summary(result));
 }
 
 }  // namespace
@@ -84,7 +98,7 @@ void add_transfer(options::Command& app, Context& context) {
                       "Folder of a finished sample, or a saved model's name; left out: find the model");
   command->add_option("--upper", options->upper, std::string{"The upper's cloud: "} + k_cloud_kinds)
       ->required();
-  add_unit_option(*command, options->unit);
+  add_reading_options(*command, options->reading);
   command->add_option("--out", options->out, "Folder for line.csv, report.json, stages/")->required();
   command->add_option("--library", options->library, "Folder of the saved models")->capture_default_str();
   command->add_flag("--mirror", options->transfer.align.mirror, "The sample is of the other foot");

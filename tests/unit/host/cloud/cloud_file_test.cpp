@@ -21,7 +21,7 @@ TEST_GROUP(CloudFile) {
 
   Result<CloudFile> read(const std::string& name, const std::string& text,
                          std::optional<Unit> unit = std::nullopt) {
-    return read_cloud_file(folder.write(name, text), unit);
+    return read_cloud_file(folder.write(name, text), {.unit = unit});
   }
   void is_one_two_three(const Result<CloudFile>& sut, std::size_t points) {
     SUCCEEDS(sut);
@@ -48,8 +48,8 @@ TEST(CloudFile, HeadsCommentsAndCountsOfOtherPrograms) {
 
 TEST(CloudFile, FaultsNameRowAndField) {
   FAILS_NAMING(Errc::BadValue, "c.xyz row 2, field 3", read("c.xyz", "1 2 3\n1 2 x3\n"));
-  FAILS_NAMING(Errc::BadFormat, "row 3: 3 numbers expected, found 2", read("c.xyz", "1 2 3\n1 2 3\n1 2\n"));
-  FAILS_NAMING(Errc::BadFormat, "decimal point", read("c.csv", "1,5;2,5;3,5\n"));
+  FAILS_NAMING(Errc::BadFormat, "row 3: 3 numbers expected, as in the rows before, found 2",
+               read("c.xyz", "1 2 3\n1 2 3\n1 2\n"));
   FAILS_NAMING(Errc::BadValue, "no point", read("c.xyz", "# nothing\n"));
   FAILS_NAMING(Errc::BadFormat, ".ply .xyz", read("c.docx", "1 2 3\n"));
 }
@@ -66,20 +66,34 @@ TEST(CloudFile, UnitsBecomeMillimetres) {
   const auto inches = read("c.xyz", "1 2 3\n", Unit::Inch);
   SUCCEEDS(inches);
   DOUBLES_EQUAL(0, (inches->cloud.points[0] - Eigen::Vector3f(25.4F, 50.8F, 76.2F)).norm(), 1e-4);
-  FAILS_NAMING(Errc::BadValue, "point 1: beyond 100 m", read("c.xyz", "2000 0 0\n", Unit::Metre));
+  is_one_two_three(read("c.xyz", "0.1 0.2 0.3\n", Unit::Centimetre), 1);
+  is_one_two_three(read("c.xyz", "1000 2000 3000\n", Unit::Micrometre), 1);
 }
 
 TEST(CloudFile, SizeThatFitsAnotherUnitIsToldWhereNobodyGaveOne) {
-  PointCloud cloud;
-  for (int i = 0; i <= 100; ++i) cloud.points.emplace_back(0.003F * static_cast<float>(i), 0.F, 0.F);
-  const auto metres = unit_refusal(cloud, std::nullopt);
-  CHECK(metres.has_value());
-  STRCMP_CONTAINS("--unit m", metres->reason.c_str());
-  CHECK(!unit_refusal(cloud, Unit::Millimetre).has_value());
-  for (auto& p : cloud.points) p *= 1000 / 25.4F;
-  STRCMP_CONTAINS("--unit in", unit_refusal(cloud, std::nullopt)->reason.c_str());
-  for (auto& p : cloud.points) p *= 25.4F;
-  CHECK(!unit_refusal(cloud, std::nullopt).has_value());
+  const struct {
+    double size_mm;
+    const char* advice;
+  } k_cases[]{{0.28, "--unit m"},
+              {29.4, "--unit cm"},
+              {11.6, "--unit in"},
+              {280'000, "--unit um"},
+              {1.2, "--unit m"}};
+  for (const auto& one : k_cases) {
+    CloudFile file;
+    file.size_mm = one.size_mm;
+    const auto refusal = unit_refusal(file);
+    CHECK(refusal.has_value());
+    STRCMP_CONTAINS(one.advice, refusal->reason.c_str());
+    file.unit = Unit::Millimetre;
+    CHECK(!unit_refusal(file).has_value());
+  }
+  // A shoe, and what no unit makes one: judged as it is.
+  for (const double size_mm : {280.0, 60.0, 1500.0, 0.0, 0.001, 5'000.0, 1e9}) {
+    CloudFile file;
+    file.size_mm = size_mm;
+    CHECK(!unit_refusal(file).has_value());
+  }
   test::check_refusal_table(UnitRefused::OtherUnit);
 }
 
@@ -164,33 +178,32 @@ TEST(CloudFile, DamagedPcdSaysWhatIsMissing) {
 // ---- meshes ----
 
 TEST(CloudFile, StlAsTextAndBinaryGiveTheSameMesh) {
-  const auto text = folder.write("a.stl",
-                                 "solid shoe\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 10 0 0\n"
-                                 "vertex 0 10 0\nendloop\nendfacet\nendsolid\n");
+  const std::string text =
+      "solid shoe\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 10 0 0\n"
+      "vertex 0 10 0\nendloop\nendfacet\nendsolid\n";
   std::string bytes(80, ' ');
   bytes.replace(0, 5, "solid");  // as some programs write it
   put(bytes, std::uint32_t{1});
   for (const float value : {0.F, 0.F, 1.F, 0.F, 0.F, 0.F, 10.F, 0.F, 0.F, 0.F, 10.F, 0.F}) put(bytes, value);
   put(bytes, std::uint16_t{0});
-  const auto a = read_stl(text), b = read_stl(folder.write("b.stl", bytes));
+  const auto a = read_stl(text, "a.stl"), b = read_stl(bytes, "b.stl");
   SUCCEEDS(a);
   SUCCEEDS(b);
-  CHECK(a->vertices == b->vertices);
+  CHECK(a->places == b->places);
   CHECK(a->faces == b->faces);
-  FAILS_NAMING(Errc::Truncated, "1 triangles expected, found 0",
-               read_stl(folder.write("c.stl", bytes.substr(0, 100))));
+  FAILS_NAMING(Errc::Truncated, "1 triangles expected, found 0", read_stl(bytes.substr(0, 100), "c.stl"));
 }
 
 TEST(CloudFile, ObjTakesPolygonsAndNumbersFromTheEnd) {
-  const auto sut = read_obj(folder.write(
-      "a.obj",
-      "mtllib a.mtl\nv 0 0 0\nv 10 0 0\nv 10 10 0\nv 0 10 0\nvt 0 0\nf 1/1 2/1 3/1 4/1\nf -4 -3 -2\n"));
+  const auto sut = read_obj(
+      "mtllib a.mtl\nv 0 0 0\nv 10 0 0\nv 10 10 0\nv 0 10 0\nvt 0 0\nf 1/1 2/1 3/1 4/1\nf -4 -3 -2\n",
+      "a.obj");
   SUCCEEDS(sut);
-  LONGS_EQUAL(4, sut->vertices.size());
+  LONGS_EQUAL(4, sut->places.size());
   LONGS_EQUAL(3, sut->faces.size());
   CHECK(sut->faces[1] == (std::array<std::uint32_t, 3>{0, 2, 3}));
-  FAILS_NAMING(Errc::BadValue, "row 2, corner 1", read_obj(folder.write("b.obj", "v 0 0 0\nf 2 1 1\n")));
-  FAILS_NAMING(Errc::BadValue, "row 1, y", read_obj(folder.write("c.obj", "v 0 nan 0\n")));
+  FAILS_NAMING(Errc::BadValue, "row 2, corner 1", read_obj("v 0 0 0\nf 2 1 1\n", "b.obj"));
+  FAILS_NAMING(Errc::BadValue, "row 1, y", read_obj("v 0 1x 0\n", "c.obj"));
   LONGS_EQUAL(1, read("d.obj", "v 1 2 3\n")->cloud.size());
 }
 
