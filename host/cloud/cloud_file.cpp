@@ -146,9 +146,11 @@ class Placing {
     const auto [low, middle, high] = spread_of(content_.places, keep_);
     read_.size_mm = (high - low).maxCoeff();
     choose_origin(middle);
+    if (!read_.origin.isZero()) {
+      for (Eigen::Vector3d& place : content_.places) place -= read_.origin;
+    }
     std::size_t far = 0;
     for (std::size_t i = 0; i < keep_.size(); ++i) {
-      content_.places[i] -= read_.origin;
       if (keep_[i] == 0 || is_plausible_place(content_.places[i])) continue;
       keep_[i] = 0;
       ++far;

@@ -65,10 +65,15 @@ Result<void> read_rows(PlyBody& body, const PlyElement& element, const std::vect
     offsets.push_back(row_bytes);
     row_bytes += size_bytes(property.type);
   }
+  // Divided, since count * size may overflow in a damaged header.
+  constexpr std::size_t k_too_many = std::numeric_limits<std::size_t>::max();
+  const std::size_t bytes = element.count > k_too_many / row_bytes ? k_too_many : element.count * row_bytes;
+  BITELINE_ASSIGN(const std::string_view rows, body.take_bytes(bytes));
+  const bool big_endian = body.big_endian();
   for (std::size_t row = 0; row < element.count; ++row) {
-    BITELINE_ASSIGN(const std::string_view raw, body.take_bytes(row_bytes));
+    const char* const raw = rows.data() + row * row_bytes;
     for (const std::size_t i : wanted)
-      values[i] = decode_scalar(raw.data() + offsets[i], element.properties[i].type, body.big_endian());
+      values[i] = decode_scalar(raw + offsets[i], element.properties[i].type, big_endian);
     take(values);
   }
   return {};
