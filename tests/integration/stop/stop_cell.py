@@ -5,6 +5,7 @@ The arm is read over its real-time port by a client of this test's own, so that 
 """
 import json
 import pathlib
+import queue
 import socket
 import sqlite3
 import struct
@@ -18,8 +19,9 @@ import urllib.request
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "support"))
 from programs import PATIENCE_S, Program, comes_true
 
-MOVED_RAD = 5e-4  # in a state; less is the encoders' noise
 RATE_HZ = 125
+MOVED_RAD, MOVED_STATES = 5e-4, 5  # 0.7 degrees/s; less is the encoders' noise
+KEPT_STATES = 60 * RATE_HZ
 
 
 def uncertainty_text():
@@ -75,14 +77,16 @@ class Arm:
                     continue
                 values = struct.unpack(">6dQI", body[1:])
                 self.states.append((time.monotonic(), values[:6], values[6], values[7] != 1))
+                if len(self.states) > 2 * KEPT_STATES:
+                    self.states = self.states[-KEPT_STATES:]
         except OSError:
             pass
 
     def moved_after(self, since):
-        """The time of the last state that differs from the one before it; nothing: it stood all along."""
+        """The time of the last state that differs from one 40 ms before it; nothing: it stood all along."""
         last = None
         states = [state for state in list(self.states) if state[0] >= since]
-        for before, after in zip(states, states[1:]):
+        for before, after in zip(states, states[MOVED_STATES:]):
             if max(abs(a - b) for a, b in zip(before[1], after[1])) > MOVED_RAD:
                 last = after[0]
         return last
@@ -103,6 +107,23 @@ class ControlEnd:
         self.socket.sendall(bytes([4, len(ready)]) + ready)
         self.frame()
         self.id = 0
+        self.sending = threading.Lock()
+        self.answers = queue.Queue()
+        self.socket.settimeout(None)
+        threading.Thread(target=self.read, daemon=True).start()
+
+    def read(self):
+        try:
+            while True:
+                flags, data = self.frame()
+                if flags & 4 and data.startswith(b"\x04PING"):
+                    pong = b"\x04PONG" + data[7:]
+                    with self.sending:
+                        self.socket.sendall(bytes([4, len(pong)]) + pong)
+                elif not flags & 4:
+                    self.answers.put(json.loads(data))
+        except (OSError, ValueError):
+            pass
 
     def exact(self, count):
         data = b""
@@ -123,16 +144,14 @@ class ControlEnd:
         text = json.dumps({"id": self.id, "token": token, "local": True, "door": "web", "method": method, "path": "/api/v1" + path,
                            "query": {}, "body": body}).encode()
         head = b"\x00" + bytes([len(text)]) if len(text) < 256 else b"\x02" + struct.pack(">Q", len(text))
-        self.socket.sendall(head + text)
+        with self.sending:
+            self.socket.sendall(head + text)
         return self.id
 
     def ask(self, method, path, body=None, token=""):
         asked = self.say(method, path, body, token)
         while True:
-            flags, data = self.frame()
-            if flags & 4:
-                continue
-            answer = json.loads(data)
+            answer = self.answers.get(timeout=PATIENCE_S)
             if answer.get("id") == asked and "status" in answer:
                 return answer["status"], answer.get("body")
 
@@ -301,7 +320,7 @@ class Load:
             while not self.over.is_set():
                 try:
                     work()
-                except (OSError, ValueError):
+                except (OSError, ValueError, queue.Empty):
                     time.sleep(0.05)
         self.threads.append(threading.Thread(target=run, daemon=True))
 

@@ -257,6 +257,8 @@ TEST(CockpitStop, AMendThatAStopMeetsIsOver) {
     if (wish->kind != Wish::Kind::Stop) sut->drop(*wish);
   }
   CHECK_FALSE(sut->mends(k_scan));
+  // And can be mended as every kept scan.
+  sut->show(Phase::Stopped, "no scan is asked for", "start");
   SUCCEEDS(sut->begin_mend(k_scan));
 }
 
