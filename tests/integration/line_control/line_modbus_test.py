@@ -78,7 +78,7 @@ def the_line_stops(cell, plc):
     assert cell.call("POST", "/commands/start", {}, token)[0] == 202
     comes_true(lambda: cell.scans_asked() == before + 1 and not state_of(plc)["busy"], "a person's start")
     assert cell.call("POST", "/control", {"action": "release"}, token)[0] == 200
-    rows = [row for row in cell.call("GET", "/log", token=token)[1]["entries"] if row["action"] == "stop"]
+    rows = [row for row in cell.call("GET", "/log", token=token)[1]["entries"] if row["what"] == "stop"]
     assert [(row["who"], row["door"]) for row in rows] == [("the line's control", "modbus")], rows
 
 

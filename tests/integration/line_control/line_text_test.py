@@ -131,7 +131,7 @@ def the_line_stops_and_a_person_starts_again(cell, peer):
     assert newest["reason_code"] != "stopped_by_a_person", newest
     assert cell.call("POST", "/control", {"action": "release"}, token)[0] == 200
     log = cell.call("GET", "/log", token=token)[1]["entries"]
-    assert any(row["action"] == "stop" and row["who"] == "the line's control" and row["door"] == "text" for row in log), log
+    assert any(row["what"] == "stop" and row["who"] == "the line's control" and row["door"] == "text" for row in log), log
 
 
 def bad_peers_hurt_nobody(cell, peer):
