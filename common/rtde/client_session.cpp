@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "common/rtde/client_session.hpp"
 
+#include <algorithm>
+#include <array>
+#include <string_view>
+
 #include "common/core/contracts.hpp"
 
 namespace biteline::rtde {
@@ -10,6 +14,31 @@ std::vector<std::string> names_of(const std::vector<Variable>& variables) {
   std::vector<std::string> names;
   for (const Variable& variable : variables) names.push_back(variable.name);
   return names;
+}
+
+/// The first software of CB3 and of e-Series controllers that has a variable: Universal Robots' RTDE guide,
+/// and the table of versions of their client library.
+struct FirstVersion {
+  const char* name;
+  const char* software;
+};
+constexpr std::array k_first_versions{FirstVersion{"tcp_offset", "3.12.3 or 5.5.1"},
+                                      FirstVersion{"payload", "3.11 or 5.5.1"},
+                                      FirstVersion{"payload_cog", "3.11 or 5.5.1"}};
+
+/// Why a variable is not to be had.
+tl::unexpected<Error> lacking(const char* name, const std::string& said) {
+  if (said != "NOT_FOUND") return fail(Errc::PeerRefused, "RTDE variable %.100s: %.40s", name, said.c_str());
+  const auto* const first = std::ranges::find_if(
+      k_first_versions, [&](const FirstVersion& version) { return std::string_view{name} == version.name; });
+  if (first == k_first_versions.end()) {
+    return fail(Errc::PeerRefused,
+                "RTDE variable %.100s: NOT_FOUND: the controller's software does not know it", name);
+  }
+  return fail(
+      Errc::PeerRefused,
+      "RTDE variable %.100s: NOT_FOUND: the controller's software is too old, PolyScope %s or newer has it",
+      name, first->software);
 }
 
 /// Types as asked for, or the first variable that the controller lacks, types otherwise or that another
@@ -23,7 +52,7 @@ Result<Recipe> agreed_recipe(std::uint8_t id, const std::vector<Variable>& wante
   for (std::size_t i = 0; i < wanted.size(); ++i) {
     const char* const name = wanted[i].name.c_str();
     const std::optional<FieldType> type = field_type_of(types[i]);
-    if (!type) return fail(Errc::PeerRefused, "RTDE variable %.100s: %.40s", name, types[i].c_str());
+    if (!type) return lacking(name, types[i]);
     if (*type != wanted[i].type) {
       const std::string_view expected = wire_name(wanted[i].type);
       return fail(Errc::PeerRefused, "RTDE variable %.100s: %.40s, %.*s expected", name, types[i].c_str(),

@@ -5,6 +5,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <optional>
 #include <thread>
 #include <utility>
 
@@ -33,7 +34,11 @@ Result<hal::RobotPose> first_pose(Result<std::unique_ptr<hal::PoseSource>> poses
   constexpr Nanoseconds k_patience = std::chrono::seconds{1};
   if (!poses) return tl::unexpected<Error>{poses.error()};
   BITELINE_TRY((*poses)->start());
-  return (*poses)->next_pose(k_patience);
+  Result<hal::RobotPose> pose = (*poses)->next_pose(k_patience);
+  if (pose || pose.error().code != Errc::Timeout) return pose;
+  // Nobody was there to answer: that is no answer that is late.
+  if (const std::optional<Error> fault = (*poses)->fault()) return tl::unexpected<Error>{*fault};
+  return pose;
 }
 
 /// The rights, tried out on a thread that ends at once.
@@ -139,10 +144,13 @@ std::vector<DeviceFinding> examine(const BoardDevices& devices,
   const std::string can_step =
       "ip link set " + interface +
       " up type can bitrate 500000 dbitrate 2000000 fd on restart-ms 100, and start what sends on it";
-  found.push_back(
-      finding("poses (" + (is_can ? interface : board.poses.address) + ")", first_pose(devices.open_poses()),
-              is_can ? can_step.c_str()
-                     : "switch the controller on, check the cable, and allow RTDE in its settings"));
+  const Result<hal::RobotPose> pose = first_pose(devices.open_poses());
+  const bool too_old = !pose && pose.error().code == Errc::PeerRefused;
+  found.push_back(finding("poses (" + (is_can ? interface : board.poses.address) + ")", pose,
+                          is_can ? can_step.c_str()
+                          : too_old
+                              ? "update the controller's software: PolyScope 3.12.3 or 5.5.1 at least"
+                              : "switch the controller on, check the cable, and allow RTDE in its settings"));
   if (!board.ptp.empty()) {
     const Result<hal::Phc> clock = hal::Phc::open(board.ptp);
     found.push_back(

@@ -160,11 +160,20 @@ Result<void> check_rate(const sensor::Options& options) {
   const Result<sensor::RateCheck> checked = sensor::check_rate(*kind, config, clock, k_duration);
   if (laser) laser->stop();
   if (!checked) return tl::unexpected<Error>{checked.error()};
-  std::printf("%s\trate\t%.1f of %.1f profiles a second, %.1f %% late, %.1f %% lost\t%s\n",
+  const bool blamed_on_poses = !checked->kept() && checked->poses_lacked();
+  std::printf("%s\trate\t%.1f of %.1f profiles a second, %.1f %% late, %.1f %% lost%s\t%s\n",
               checked->kept() ? "ready" : "missing", checked->profiles_hz, checked->wanted_hz,
               100 * checked->late_ratio, 100 * checked->lost_ratio,
-              checked->kept() ? "" : "a lower rate, or fewer rows");
+              checked->poses_lacked() ? "; no poses came" : "",
+              checked->kept()   ? ""
+              : blamed_on_poses ? "switch the robot's controller on and check its cable: without poses each "
+                                  "profile waits, and no rate is told"
+                                : "a lower rate, or fewer rows");
   if (checked->kept()) return {};
+  if (blamed_on_poses) {
+    return fail(Errc::PoseStale, "no poses: %.0f %% of the profiles have none, so no rate is told",
+                100 * checked->no_pose_ratio);
+  }
   return fail(Errc::Overrun, "%.1f of %.1f profiles a second, %.1f %% late, %.1f %% lost",
               checked->profiles_hz, checked->wanted_hz, 100 * checked->late_ratio, 100 * checked->lost_ratio);
 }

@@ -16,7 +16,7 @@ namespace {
 constexpr Nanoseconds k_turn = std::chrono::milliseconds{1};
 /// A camera that is triggered shows its first frame well within this.
 constexpr Nanoseconds k_first_frame = std::chrono::seconds{5};
-constexpr double k_least_kept = 0.95, k_most_late = 0.05, k_most_lost = 0.01;
+constexpr double k_least_kept = 0.95, k_most_late = 0.05, k_most_lost = 0.01, k_most_without_pose = 0.5;
 
 /// The budget of a frame is half the time between two at 100 Hz; a head that takes fewer has more time.
 bool budget_counts(double rate_hz) {
@@ -32,6 +32,10 @@ bool RateCheck::kept() const {
   return profiles_hz > 0 && late_ratio <= k_most_late && lost_ratio <= k_most_lost;
 }
 
+bool RateCheck::poses_lacked() const {
+  return no_pose_ratio > k_most_without_pose;
+}
+
 Result<RateCheck> check_rate(SourceKind& kind, const Scanner::Config& config, const hal::Clock& clock,
                              Nanoseconds duration) {
   BITELINE_ASSIGN(Source source, kind.open());
@@ -40,9 +44,13 @@ Result<RateCheck> check_rate(SourceKind& kind, const Scanner::Config& config, co
   BITELINE_TRY(scanner->start());
   std::optional<SensorClock::time_point> first;
   profile::ScanCounts before;
+  std::uint64_t taken = 0, without_pose = 0;
   const SensorClock::time_point give_up = clock.now() + k_first_frame;
   while (!first || clock.now() - *first < duration) {
-    if (scanner->take() != nullptr) {
+    if (const profile::ProfileBuffer* const profile = scanner->take()) {
+      ++taken;
+      if ((profile->header.flags & (profile::k_profile_pose_missing | profile::k_profile_pose_stale)) != 0)
+        ++without_pose;
       scanner->give_back();
       if (!first) {
         first = clock.now();
@@ -71,7 +79,9 @@ Result<RateCheck> check_rate(SourceKind& kind, const Scanner::Config& config, co
                    .late_ratio = budget_counts(config.model.rate_hz.value_or(0))
                                      ? static_cast<double>(after.overruns - before.overruns) / frames
                                      : 0,
-                   .lost_ratio = lost / frames};
+                   .lost_ratio = lost / frames,
+                   .no_pose_ratio = static_cast<double>(without_pose) /
+                                    static_cast<double>(std::max<std::uint64_t>(1, taken))};
 }
 
 }  // namespace biteline::sensor

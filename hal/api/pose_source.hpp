@@ -72,6 +72,8 @@ class PoseSource {
   [[nodiscard]] virtual Result<RobotPose> next_pose(Nanoseconds timeout) = 0;
   [[nodiscard]] virtual Result<void> stop() = 0;
   [[nodiscard]] virtual PoseHealth health() const noexcept = 0;
+  /// Why no pose comes, where the source knows more than that none came in time.  Thread: the owner's.
+  [[nodiscard]] virtual std::optional<Error> fault() const { return std::nullopt; }
 };
 
 }  // namespace biteline::hal

@@ -42,6 +42,7 @@ class RtdePoseSource final : public PoseSource {
 
   /// From the owner's thread.
   [[nodiscard]] ClockMapHealth clock_health() const { return samples_.clock_health(); }
+  [[nodiscard]] std::optional<Error> fault() const override { return last_fault_; }
   /// Why the last connection ended; nothing once poses come again.
   [[nodiscard]] const std::optional<Error>& last_fault() const { return last_fault_; }
 

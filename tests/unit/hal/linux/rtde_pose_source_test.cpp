@@ -153,6 +153,10 @@ TEST(RtdePoseSource, FollowsItsStateTable) {
   CHECK(sut->next_pose(1ms).error().code == Errc::Timeout);
   CHECK(sut->health().state == PoseState::Connecting);
   CHECK(sut->last_fault()->code == Errc::ConnectFailed);
+  // Whoever only knows a PoseSource is told that nobody was there, too.
+  const PoseSource& source = *sut;
+  CHECK(source.fault()->code == Errc::ConnectFailed);
+  STRCMP_CONTAINS("cannot connect (Connection refused)", to_line(*source.fault()).c_str());
   CHECK(sut->stop().has_value());
   CHECK(sut->health().state == PoseState::Idle);
 }
@@ -220,6 +224,31 @@ TEST(RtdePoseSource, ControllerThatTypesAFieldOtherwiseIsNamed) {
     CHECK_FALSE(pose.has_value());
     if (pose.error().code == Errc::Timeout) continue;
     STRCMP_EQUAL("RTDE variable runtime_state: UINT64, UINT32 expected", pose.error().where.c_str());
+    return;
+  }
+  FAIL("never told");
+}
+
+TEST(RtdePoseSource, AControllerTooOldForAVariableIsToldWithTheVersionThatHasIt) {
+  Controller controller;
+  controller.spoil = [](rtde::Bytes& bytes) {
+    const std::string_view known = "VECTOR6D,UINT32";
+    const auto at = std::search(bytes.begin(), bytes.end(), known.begin(), known.end());
+    if (at == bytes.end()) return;
+    const std::string_view lacking = "NOT_FOUND";
+    bytes.erase(at, at + 8);
+    bytes.insert(at, lacking.begin(), lacking.end());
+    ++bytes[1];
+  };
+  Link link{controller};
+  for (int i = 0; i < 2000; ++i) {
+    controller.step();
+    const Result<RobotPose> pose = link.sut->next_pose(1ms);
+    CHECK_FALSE(pose.has_value());
+    if (pose.error().code == Errc::Timeout) continue;
+    CHECK(pose.error().code == Errc::PeerRefused);
+    STRCMP_CONTAINS("tcp_offset: NOT_FOUND", pose.error().where.c_str());
+    STRCMP_CONTAINS("PolyScope 3.12.3 or 5.5.1", pose.error().where.c_str());
     return;
   }
   FAIL("never told");

@@ -145,6 +145,8 @@ ORDINARY_TIMED_TEST(UrLinkPeers, FieldsOfAnotherTypeAreRefusedByNameAndAtOnce) {
       {"DOUBLE,VECTOR6D,VECTOR6D,VECTOR6D,INT32,INT32,UINT32,VECTOR6D",
        "speed_scaling: VECTOR6D, DOUBLE expected"},
       {"DOUBLE,NOT_FOUND,VECTOR6D,VECTOR6D,INT32,INT32,UINT32,DOUBLE", "actual_q: NOT_FOUND"},
+      {"DOUBLE,VECTOR6D,VECTOR6D,NOT_FOUND,INT32,INT32,UINT32,DOUBLE",
+       "tcp_offset: NOT_FOUND: the controller's software is too old, PolyScope 3.12.3 or 5.5.1"},
       {"DOUBLE,IN_USE,VECTOR6D,VECTOR6D,INT32,INT32,UINT32,DOUBLE", "actual_q: IN_USE"},
   };
   for (const auto& row : rows) {
