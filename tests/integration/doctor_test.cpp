@@ -4,6 +4,7 @@
 #include <CppUTest/TestHarness.h>
 
 #include <algorithm>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -59,6 +60,43 @@ TEST(Doctor, TellsWhatOneCanDoAndWhyNotTheRest) {
   }
   const std::string words = say({"doctor"}).out;
   STRCMP_CONTAINS("you can:    work out recordings", words.c_str());
+}
+
+TEST(Doctor, ControllersThatAreTooOldOrHaveNoDashboardAreNamed) {
+  robot::test::FakeController controller;
+  const std::string address = "127.0.0.1:" + std::to_string(controller.dashboard_port());
+  const auto finding = [&](const std::string& version) {
+    controller.answers = {{"PolyscopeVersion", version},
+                          {"get robot model", "UR10"},
+                          {"is in remote control", "true"},
+                          {"robotmode", "Robotmode: RUNNING"}};
+    const json told = doctor({"--robot", address});
+    CHECK(row_of(told["abilities"], "send paths to this robot").value("can", false) ==
+          row_of(told["findings"], "robot at " + address)["ready"].get<bool>());
+    return row_of(told["findings"], "robot at " + address);
+  };
+  for (const char* good : {"URSoftware 3.12.3.1234 (Jan 01 2020)", "URSoftware 3.15.8.1",
+                           "URSoftware 5.5.1.8", "URSoftware 5.21.0"})
+    CHECK_TEXT(finding(good)["ready"].get<bool>(), good);
+  const std::map<std::string, std::string> bad{
+      {"URSoftware 3.4.5.100", "PolyScope 3.4.5 is too old: 3.12.3 is the least"},
+      {"URSoftware 3.12.2.1", "3.12.2 is too old"},
+      {"URSoftware 5.4.9.1", "PolyScope 5.4.9 is too old: 5.5.1 is the least"},
+      {"URSoftware 1.8.2", "1.8.2 is not supported"},
+      {"could not understand: 'PolyscopeVersion'", "does not tell the version"}};
+  for (const auto& [version, words] : bad) {
+    const json row = finding(version);
+    CHECK_FALSE_TEXT(row["ready"].get<bool>(), version.c_str());
+    STRCMP_CONTAINS(words.c_str(), row["seen"].get<std::string>().c_str());
+    STRCMP_CONTAINS("update the controller's software", row["step"].get<std::string>().c_str());
+  }
+  // Nobody listens there: as on a PolyScope X.
+  const json told = doctor({"--robot", "127.0.0.1:9"});
+  const json row = row_of(told["findings"], "robot at 127.0.0.1:9");
+  CHECK_FALSE(row["ready"].get<bool>());
+  STRCMP_CONTAINS("no dashboard server there", row["seen"].get<std::string>().c_str());
+  STRCMP_CONTAINS("PolyScope X has none", row["seen"].get<std::string>().c_str());
+  STRCMP_CONTAINS("PolyScope 3.12.3 or 5.5.1", row["step"].get<std::string>().c_str());
 }
 
 TEST(Doctor, AsksTheRobotOnlyWhereItIsTold) {

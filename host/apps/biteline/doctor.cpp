@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -183,10 +184,19 @@ Finding ask_robot(const std::string& address) {
   const auto words = at ? robot::ur::ask_controller({.host = at->host, .port = at->port}, k_patience)
                         : Result<robot::ur::ControllerWords>{tl::unexpected<Error>{at.error()}};
   const std::string what = "robot at " + address;
-  if (!words)
+  if (!words) {
+    // Refused: a machine is there, and nothing listens on that port.
+    const bool refused = words.error().sys_errno == ECONNREFUSED;
     return {what, false, to_line(words.error()),
-            "switch the controller on, check cable and address, allow the dashboard in its settings"};
+            refused
+                ? "take a controller with PolyScope 3.12.3 or 5.5.1 at least; on such a one, switch the "
+                  "dashboard server on (Settings, Security, Services)"
+                : "switch the controller on, check cable and address, allow the dashboard in its settings"};
+  }
   const std::string seen = robot::ur::summary(*words);
+  if (const std::optional<std::string> why = robot::ur::unsupported(*words))
+    return {what, false, seen + "; " + *why,
+            "update the controller's software: PolyScope 3.12.3 or 5.5.1 at least"};
   if (words->remote == false)
     return {what, false, seen,
             "switch on remote control at the teach pendant (Settings, System, Remote Control)"};

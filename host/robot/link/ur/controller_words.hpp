@@ -23,6 +23,9 @@ struct ControllerWords {
 /// One connection, six questions.  An Error when nobody answers.
 [[nodiscard]] Result<ControllerWords> ask_controller(const Endpoint& dashboard, Nanoseconds patience);
 
+/// Why paths cannot be sent to a controller of this software; nothing when they can.
+[[nodiscard]] std::optional<std::string> unsupported(const ControllerWords& words);
+
 /// One line for the operator.
 [[nodiscard]] std::string summary(const ControllerWords& words);
 
