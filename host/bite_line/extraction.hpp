@@ -40,10 +40,12 @@ struct Candidate {
 struct Extraction {
   bool found{false};
   std::optional<Refusal> refusal{};  ///< when not found
-  cloud::ClosedLine line{};          ///< empty when not found
-  double confidence{0};              ///< that the line as a whole is the bite line
-  double closure_mm{0};              ///< of the published method; other lines close
-  std::optional<SeamStep> seam{};    ///< how far the scan's end lies from its begin, where it shows both
+  /// When not found, and the scan itself shows too little: it goes before `refusal`.
+  std::optional<report::ToldRefusal> scan_cause{};
+  cloud::ClosedLine line{};        ///< empty when not found
+  double confidence{0};            ///< that the line as a whole is the bite line
+  double closure_mm{0};            ///< of the published method; other lines close
+  std::optional<SeamStep> seam{};  ///< how far the scan's end lies from its begin, where it shows both
   double length_mm{0};
   double bridged_mm{0};     ///< length without a visible crease, bridged from both sides
   bool head_in_u95{false};  ///< U95 holds calibration, poses and clock beside noise, gaps and layers
@@ -52,8 +54,15 @@ struct Extraction {
   SE3 T_base_shoe{SE3::Identity()};
   std::vector<report::StageTime> stages{};  ///< in order, wall time
 
+  /// Why not found.
+  [[nodiscard]] std::optional<report::ToldRefusal> told() const {
+    if (scan_cause || !refusal) return scan_cause;
+    return report::told(*refusal);
+  }
   /// One plain sentence when not found.
-  [[nodiscard]] std::string reason() const { return refusal ? refusal->reason : std::string{}; }
+  [[nodiscard]] std::string reason() const {
+    return scan_cause ? scan_cause->reason : refusal ? refusal->reason : std::string{};
+  }
 };
 
 }  // namespace biteline::bite_line

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "host/intake/cloud_builder.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 
@@ -60,6 +61,24 @@ float known_or_none(float value) {
   return std::isfinite(value) && value > 0 ? value : 0.F;
 }
 
+/// The spread of the points each way: a stripe across the columns is as wide as the picture and far less
+/// high.
+void count_stripe(std::span<const profile::ProfilePoint> points, IngestCounts& counts) {
+  double n = 0, u = 0, uu = 0, v = 0, vv = 0;
+  int last = -1;
+  for (const profile::ProfilePoint& point : points) {
+    if (point.column == last || !std::isfinite(point.row_px)) continue;
+    last = point.column;
+    n += 1;
+    u += point.column;
+    uu += static_cast<double>(point.column) * point.column;
+    v += point.row_px;
+    vv += static_cast<double>(point.row_px) * point.row_px;
+  }
+  counts.columns_with_stripe += static_cast<std::uint64_t>(n);
+  if (n > 1 && vv - v * v / n > uu - u * u / n) ++counts.profiles_along_columns;
+}
+
 }  // namespace
 
 std::vector<std::pair<std::string, std::uint64_t>> profile_flag_counts(const IngestCounts& counts) {
@@ -70,25 +89,35 @@ std::vector<std::pair<std::string, std::uint64_t>> point_flag_counts(const Inges
   return named(k_point_flags, counts.points_by_flag);
 }
 
+void count_profile(const profile::Profile& profile, int columns, IngestCounts& counts) {
+  const profile::ProfileHeader& header = profile.header;
+  ++counts.profiles;
+  counts.points += profile.points.size();
+  count_flags(header.flags, counts.profiles_by_flag);
+  for (const profile::ProfilePoint& point : profile.points) count_flags(point.flags, counts.points_by_flag);
+  if ((header.flags & profile::k_profile_not_usable) != 0)
+    counts.points_of_unusable_profiles += profile.points.size();
+  else
+    ++counts.profiles_used;
+  if ((header.flags & profile::k_profile_pose_stale) != 0)
+    counts.pose_age_max_s =
+        std::max(counts.pose_age_max_s, 1e-9 * std::abs(static_cast<double>(header.pose_age.count())));
+  counts.columns += static_cast<std::uint64_t>(std::max(0, columns));
+  count_stripe(profile.points, counts);
+}
+
 std::span<const Eigen::Vector3f> CloudBuilder::add(const profile::Profile& profile) {
   const profile::ProfileHeader& header = profile.header;
   // As numbers with a point: a stamp from outside may be anything.
   const double exposed_s = 1e-9 * static_cast<double>(header.exposure_mid.time_since_epoch().count());
   if (counts_.profiles == 0) begun_s_ = exposed_s;
   counts_.duration_s = exposed_s - begun_s_;
-  ++counts_.profiles;
-  counts_.points += profile.points.size();
   if (header.sequence > next_sequence_) counts_.profiles_lost += header.sequence - next_sequence_;
   next_sequence_ = header.sequence + 1;
   first_of_last_ = cloud_.size();
-  count_flags(header.flags, counts_.profiles_by_flag);
-  for (const profile::ProfilePoint& point : profile.points) count_flags(point.flags, counts_.points_by_flag);
+  count_profile(profile, columns_, counts_);
 
-  if ((header.flags & profile::k_profile_not_usable) != 0) {
-    counts_.points_of_unusable_profiles += profile.points.size();
-    return {};
-  }
-  ++counts_.profiles_used;
+  if ((header.flags & profile::k_profile_not_usable) != 0) return {};
   const SE3 T_base_cam = header.T_base_flange * T_flange_cam_;
   for (const profile::ProfilePoint& point : profile.points) {
     if ((point.flags & profile::k_point_not_surface) != 0) {

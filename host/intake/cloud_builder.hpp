@@ -26,7 +26,11 @@ struct IngestCounts {
   std::uint64_t points_used{0};
   std::uint64_t points_not_surface{0};  ///< evidence only, in profiles that were used
   std::uint64_t points_of_unusable_profiles{0};
-  double duration_s{0};  ///< from the first profile's exposure to the last one's, by the sensor's clock
+  double duration_s{0};      ///< from the first profile's exposure to the last one's, by the sensor's clock
+  std::uint64_t columns{0};  ///< of all profiles
+  std::uint64_t columns_with_stripe{0};     ///< of these: with a point
+  std::uint64_t profiles_along_columns{0};  ///< whose points lie along the columns rather than across them
+  double pose_age_max_s{0};                 ///< from a stale profile's exposure to its nearest pose
   std::array<std::uint64_t, 32> profiles_by_flag{};  ///< index: bit of ProfileFlag
   std::array<std::uint64_t, 16> points_by_flag{};    ///< index: bit of PointFlag
 };
@@ -37,6 +41,10 @@ struct IngestCounts {
 [[nodiscard]] std::vector<std::pair<std::string, std::uint64_t>> point_flag_counts(
     const IngestCounts& counts);
 
+/// All of that but what only the numbers of the profiles and the points' places tell.  `columns`: of the
+/// region.
+void count_profile(const profile::Profile& profile, int columns, IngestCounts& counts);
+
 /// A profile as it came, its points in the cloud, and the stripe at these.
 using OnProfile = std::function<void(const profile::Profile&, std::span<const Eigen::Vector3f> points_base,
                                      const cloud::StripeSpan& stripe)>;
@@ -45,7 +53,8 @@ using OnProfile = std::function<void(const profile::Profile&, std::span<const Ei
 /// are worked out as profiles come.  Not thread-safe.
 class CloudBuilder {
  public:
-  explicit CloudBuilder(const geometry::SensorModel& sensor) : T_flange_cam_{sensor.T_flange_cam} {}
+  explicit CloudBuilder(const geometry::SensorModel& sensor)
+      : T_flange_cam_{sensor.T_flange_cam}, columns_{sensor.region.width_px} {}
 
   /// The points that came in, in base; valid until the next call.
   std::span<const Eigen::Vector3f> add(const profile::Profile& profile);
@@ -64,6 +73,7 @@ class CloudBuilder {
   void append(const SE3& T_base_cam, std::uint64_t sequence, const profile::ProfilePoint& point);
 
   SE3 T_flange_cam_;
+  int columns_;  ///< of the region
   cloud::PointCloud cloud_;
   curvature::ScanSurface surface_;
   IngestCounts counts_;

@@ -25,6 +25,8 @@ struct TransferOptions {
 struct Transfer {
   bool found{false};
   std::optional<Refusal> refusal{};  ///< when not found
+  /// When not found, and the upper's scan itself shows too little: it goes before `refusal`.
+  std::optional<report::ToldRefusal> scan_cause{};
   std::optional<bite_line::SeamStep>
       seam{};  ///< how far out the upper's scan ends from where it began, where it shows both
   transfer::Alignment alignment{};
@@ -40,8 +42,15 @@ struct Transfer {
   bool from_mesh{false};                        ///< the upper's scan was organised
   std::vector<report::StageTime> stages{};      ///< in order, wall time; empty when a cloud holds no shoe
 
+  /// Why not found.
+  [[nodiscard]] std::optional<report::ToldRefusal> told() const {
+    if (scan_cause || !refusal) return scan_cause;
+    return report::told(*refusal);
+  }
   /// One plain sentence when not found.
-  [[nodiscard]] std::string reason() const { return refusal ? refusal->reason : std::string{}; }
+  [[nodiscard]] std::string reason() const {
+    return scan_cause ? scan_cause->reason : refusal ? refusal->reason : std::string{};
+  }
 };
 
 /// Never fails: without a line the Transfer has its refusal.

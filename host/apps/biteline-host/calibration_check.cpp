@@ -12,6 +12,7 @@
 #include "host/apps/biteline-host/refused.hpp"
 #include "host/apps/biteline-host/steps.hpp"
 #include "host/calibration/drift/watch.hpp"
+#include "host/intake/scan_cause.hpp"
 #include "host/records/report/json_text.hpp"
 #include "host/records/report/report.hpp"
 
@@ -150,10 +151,14 @@ Result<drift::Evidence> look_at_calibration(const intake::ScanOutcome& scan) {
     poses.push_back({.profile = taken.profile, .pose = taken.pose});
   // The arm may be followed meanwhile.
   tbb::task_arena one_core{1};
-  return one_core.execute([&] {
+  Result<drift::Evidence> evidence = one_core.execute([&] {
     return drift::look_at({.points_base = scan.cloud.points, .profile = scan.cloud.profile, .poses = poses},
                           scan.sensor.model);
   });
+  if (evidence) return evidence;
+  const auto cause = intake::scan_cause(scan.counts, scan.sensor_counters, &scan.sensor_devices);
+  if (!cause) return evidence;
+  return fail(evidence.error().code, "calibration check: %s", cause->reason.c_str());
 }
 
 Result<bool> check_calibration(const fs::path& folder, const Result<drift::Evidence>& evidence,

@@ -176,7 +176,7 @@ Result<LineStep> Service::use_library(Scan& scan, const intake::ScanOutcome& out
     chosen.process_name = job_.process;
   }
   const transfer::Library library = stock_for(chosen).models;
-  if (outcome.failure || (!options_.models && chosen.model.empty())) {
+  if (outcome.failure || found.too_little_seen || (!options_.models && chosen.model.empty())) {
     BITELINE_TRY(choose_process(chosen));
     return found;
   }

@@ -17,6 +17,7 @@
 #include "host/cloud/ply.hpp"
 #include "host/intake/account.hpp"
 #include "host/intake/refused.hpp"
+#include "host/intake/scan_cause.hpp"
 #include "host/intake/whole_scan.hpp"
 #include "host/records/report/json_text.hpp"
 #include "host/records/report/report.hpp"
@@ -286,10 +287,12 @@ Result<LineStep> find_line(const fs::path& folder, const intake::ScanOutcome& sc
   if (refused) return std::move(*refused);
   report.add_stage("last profile to line", outcome.last_profile_to_line_s);
   bite_line::Extraction& extraction = outcome.extraction;
+  intake::name_scan_cause(extraction, scan.counts, scan.sensor_counters, &scan.sensor_devices);
   BITELINE_ASSIGN(const ExitStatus status, results::write_line_files(folder, scan.cloud, extraction, report));
   say_step("%s", results::summary(extraction).c_str());
   LineStep step{.status = status, .confidence = extraction.confidence, .line = {}, .arm = extraction.arm};
   if (status == ExitStatus::Done) step.line = extraction.line;
+  step.too_little_seen = extraction.scan_cause.has_value();
   step.pages = LatePages{[folder, extraction = std::move(extraction),
                           stages = results::stages_of(std::move(outcome.workings)),
                           report](const cloud::PointCloud& cloud) mutable {
@@ -322,6 +325,7 @@ Result<LineStep> carry_line(const fs::path& folder, const Carrier& carrier, cons
     options.upper_scan = intake::whole_scan_of(scan, known.head, known.arm);
     return transfer::transfer_line(carrier.sample, scan.cloud, options);
   });
+  intake::name_scan_cause(transfer, scan.counts, scan.sensor_counters, &scan.sensor_devices);
   BITELINE_TRY(report.timed("write", [&] { return cloud::write_cloud(folder / "cloud.ply", scan.cloud); }));
   BITELINE_ASSIGN(const ExitStatus status,
                   results::write_transfer_files(folder, scan.cloud, transfer, report));

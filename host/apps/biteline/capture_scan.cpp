@@ -68,21 +68,28 @@ class Watch {
 
 void tell_scan(const CaptureScanOptions& options, const capture::TakenScan& scan,
                const calibration::Verdict& verdict, const GlobalOptions& global) {
+  const std::optional<intake::Refusal> cause = capture::cause_of(scan);
   if (global.json) {
-    const nlohmann::ordered_json json{{"part", "scan"},
-                                      {"grade", calibration::name_of(verdict.grade)},
-                                      {"reasons", verdict.reasons},
-                                      {"session", options.order.session.string()},
-                                      {"profiles", scan.count.profiles},
-                                      {"points", scan.count.points},
-                                      {"pictures", scan.facts.pictures},
-                                      {"complete", scan.facts.complete}};
+    nlohmann::ordered_json json{{"part", "scan"},
+                                {"grade", calibration::name_of(verdict.grade)},
+                                {"reasons", verdict.reasons},
+                                {"session", options.order.session.string()},
+                                {"profiles", scan.count.profiles},
+                                {"points", scan.count.points},
+                                {"pictures", scan.facts.pictures},
+                                {"complete", scan.facts.complete}};
+    if (cause) {
+      const report::ToldRefusal told = report::told(*cause);
+      json["reason_code"] = told.reason_code;
+      json["next_step"] = told.next_step;
+    }
     std::printf("%s\n", report::to_text(json).c_str());
     return;
   }
   if (global.quiet) return;
   std::printf("scan: %s\n", calibration::name_of(verdict.grade));
   for (const std::string& reason : verdict.reasons) std::printf("  %s\n", reason.c_str());
+  if (cause) std::printf("  next: %s\n", report::told(*cause).next_step.c_str());
   std::printf("%s: %llu profiles, %llu pictures; biteline replay %s --out DIR finds its line\n",
               options.order.session.c_str(), static_cast<unsigned long long>(scan.count.profiles),
               static_cast<unsigned long long>(scan.facts.pictures), options.order.session.c_str());

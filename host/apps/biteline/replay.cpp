@@ -13,6 +13,7 @@
 #include "host/intake/account.hpp"
 #include "host/intake/live_line.hpp"
 #include "host/intake/recorded_scan.hpp"
+#include "host/intake/scan_cause.hpp"
 #include "host/intake/session_run.hpp"
 #include "host/records/recording/import.hpp"
 #include "host/records/report/progress.hpp"
@@ -46,8 +47,9 @@ Result<std::optional<uncertainty::HeadUncertainty>> uncertainty_of(const ReplayO
       options.sensor.empty() ? options.session / "cam0" / "sensor.yaml" : options.sensor);
 }
 
-Result<intake::SessionRun> take_in_profiles(const intake::ProfileSource& input, const ReplayOptions& options,
-                                            const intake::OnProfile& on_profile, report::Report& report) {
+Result<intake::RecordedScan> take_in_profiles(const intake::ProfileSource& input,
+                                              const ReplayOptions& options,
+                                              const intake::OnProfile& on_profile, report::Report& report) {
   if (!options.sensor.empty() || !options.peak_mode.empty()) {
     return fail(Errc::InvalidArgument, "--sensor and --peak-mode need pictures, but %s", input.why.c_str());
   }
@@ -57,7 +59,15 @@ Result<intake::SessionRun> take_in_profiles(const intake::ProfileSource& input, 
     report.fields["scan_lacks"] = *scan.lacks;
     std::fprintf(stderr, "biteline: %s: %s\n", input.file.c_str(), scan.lacks->c_str());
   }
-  return std::move(scan.run);
+  return scan;
+}
+
+Result<intake::RecordedScan> take_in(const std::optional<intake::ProfileSource>& profiles,
+                                     const ReplayOptions& options,
+                                     const intake::SessionRunOptions& run_options, report::Report& report) {
+  if (profiles) return take_in_profiles(*profiles, options, run_options.on_profile, report);
+  BITELINE_ASSIGN(intake::SessionRun run, intake::run_sensor_on_session(run_options));
+  return intake::RecordedScan{.run = std::move(run), .lacks = {}};
 }
 
 /// What an MCAP file holds, as a folder beside the results for as long as the replay runs.
@@ -120,10 +130,9 @@ Result<ExitStatus> replay(ReplayOptions options, const GlobalOptions& global) {
     if (line) line->add_profile(profile.header.sequence, points_base, pose, stripe);
   };
   BITELINE_ASSIGN(const std::optional<intake::ProfileSource> input, intake::choose_profiles(options.session));
-  BITELINE_ASSIGN(const intake::SessionRun run, report.timed("scan", [&] {
-    return input ? take_in_profiles(*input, options, run_options.on_profile, report)
-                 : intake::run_sensor_on_session(run_options);
-  }));
+  BITELINE_ASSIGN(const intake::RecordedScan scan,
+                  report.timed("scan", [&] { return take_in(input, options, run_options, report); }));
+  const intake::SessionRun& run = scan.run;
   progress.reset();
 
   std::shared_ptr<const uncertainty::KnownHead> head;
@@ -134,9 +143,14 @@ Result<ExitStatus> replay(ReplayOptions options, const GlobalOptions& global) {
     return consistency::check_pictures({run.cloud.points, run.cloud.profile, poses}, run.sensor.model,
                                        {.head = known, .arm = {}});
   });
-  const FoundLine found = line
-                              ? finish_line(*line, report)
-                              : report.timed("extract", [&] { return find_line(run.cloud, options.method); });
+  FoundLine found = line ? finish_line(*line, report)
+                         : report.timed("extract", [&] { return find_line(run.cloud, options.method); });
+
+  intake::name_scan_cause(found.extraction, run.counts, run.sensor_counters);
+  // What was cut is judged only where it shows a line all the same.
+  if (!found.extraction.found && !found.extraction.scan_cause && scan.lacks)
+    found.extraction.scan_cause = report::told(intake::Refusal{
+        .code = intake::Refused::ScanNotComplete, .reason = "the scan is not complete: " + *scan.lacks});
 
   report.fields["picture_check"] = consistency::as_json(pictures);
   report.fields["input"] = input_name;

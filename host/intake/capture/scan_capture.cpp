@@ -8,6 +8,7 @@
 
 #include "host/intake/cloud_builder.hpp"
 #include "host/intake/live_line.hpp"
+#include "host/intake/scan_cause.hpp"
 #include "host/intake/sensor_link.hpp"
 #include "host/intake/sensor_process.hpp"
 
@@ -27,8 +28,8 @@ constexpr seconds k_write_limit{120};
 constexpr std::uint32_t k_start_id = 1, k_stop_id = 2;
 
 /// A tenth of the profiles without stripe: the ends of a scan beside the piece.
-constexpr double k_few_lost = 0.1, k_many_lost = 0.5;
-constexpr double k_few_unusable = 0.01, k_many_unusable = 0.1;
+constexpr double k_few_lost = 0.1;
+constexpr double k_few_unusable = 0.01;
 constexpr double k_many_saturated = 0.3;
 constexpr std::uint64_t k_least_profiles = 10;
 
@@ -107,6 +108,7 @@ class Taking {
                         .pose = intake::pose_of(profile.header)});
     ScanCount& count = taken_.count;
     ++count.profiles;
+    intake::count_profile(profile, head_.region.width_px, taken_.seen);
     if ((profile.header.flags & profile::k_profile_stripe_lost) != 0) ++count.without_stripe;
     if ((profile.header.flags & profile::k_profile_not_usable) != 0) ++count.not_usable;
     for (const profile::ProfilePoint& point : profile.points) {
@@ -156,6 +158,10 @@ Result<TakenScan> capture_scan(const ScanOrder& order, const OnTurn& on_turn) {
   return taken;
 }
 
+std::optional<intake::Refusal> cause_of(const TakenScan& scan) {
+  return intake::scan_cause(scan.seen, scan.end.counters, &scan.end.devices);
+}
+
 calibration::Verdict judge_scan(const TakenScan& scan) {
   calibration::Verdict verdict;
   const auto note = [&](Grade grade, const std::string& reason) {
@@ -176,11 +182,13 @@ calibration::Verdict judge_scan(const TakenScan& scan) {
   const double unusable = static_cast<double>(count.not_usable) / profiles;
   const double saturated =
       static_cast<double>(count.saturated) / std::max(1.0, static_cast<double>(count.points));
-  if (lost > k_few_lost)
-    note(lost > k_many_lost ? Grade::Bad : Grade::Fair,
+  const std::optional<intake::Refusal> cause = cause_of(scan);
+  if (cause) note(Grade::Bad, cause->reason);
+  if (!cause && lost > k_few_lost)
+    note(lost > intake::k_many_without_stripe_ratio ? Grade::Bad : Grade::Fair,
          percent("of the profiles show no stripe: look at region, exposure and the arm's path", lost));
-  if (unusable > k_few_unusable)
-    note(unusable > k_many_unusable ? Grade::Bad : Grade::Fair,
+  if (!cause && unusable > k_few_unusable)
+    note(unusable >= intake::k_many_unusable_ratio ? Grade::Bad : Grade::Fair,
          percent("of the profiles have no pose that fits: look at the robot's link and clock", unusable));
   if (saturated > k_many_saturated)
     note(Grade::Fair, percent("of the points are saturated: expose shorter", saturated));

@@ -13,6 +13,8 @@
 #include "common/wire/messages.hpp"
 #include "host/calibration/consistency/picture_check.hpp"
 #include "host/calibration/head/verdict.hpp"
+#include "host/intake/cloud_builder.hpp"
+#include "host/intake/refused.hpp"
 
 namespace biteline::capture {
 
@@ -35,6 +37,7 @@ struct ScanCount {
 
 struct TakenScan {
   ScanCount count;
+  intake::IngestCounts seen;
   wire::EndOfScan end;
   session::RecordingFacts facts;
   consistency::PictureCheck pictures{};
@@ -49,6 +52,9 @@ using OnTurn = std::function<bool(const ScanCount&)>;
 /// Errc::WrongState: there is something of the session's name.  Errc::PeerRefused: the scan did not begin,
 /// and why; no folder is left.
 [[nodiscard]] Result<TakenScan> capture_scan(const ScanOrder& order, const OnTurn& on_turn);
+
+/// What of the scan itself keeps a shoe from being seen, if anything does.
+[[nodiscard]] std::optional<intake::Refusal> cause_of(const TakenScan& scan);
 
 /// What the recording is worth: good when a replay gives the same bits and nearly every profile counts; bad
 /// when the pictures contradict the calibration.

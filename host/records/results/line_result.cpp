@@ -38,7 +38,7 @@ Result<void> write_page(const std::filesystem::path& folder, const bite_line::Ex
                           : weak.empty()    ? Page::Mood::Good
                                             : Page::Mood::Look;
   Page page{"Bite line", summary(extraction), mood};
-  if (extraction.refusal) add_next_step(page, report::told(*extraction.refusal));
+  if (const auto told = extraction.told()) add_next_step(page, *told);
   add_weak_stretches(page, weak);
   add_viewer(page, folder);
   page.heading("Figures");
@@ -94,7 +94,11 @@ Result<ExitStatus> write_line_files(const std::filesystem::path& folder, const c
     report.fields["bridged_mm"] = extraction.bridged_mm;
     report.fields["line_points"] = extraction.line.points.size();
   } else {
-    report.refuse(*extraction.refusal);
+    report.refuse(*extraction.told());
+    if (extraction.scan_cause && extraction.refusal) {
+      const report::ToldRefusal seen = report::told(*extraction.refusal);
+      report.fields["of_what_was_seen"] = {{"reason_code", seen.reason_code}, {"reason", seen.reason}};
+    }
     report.fields["confidence"] = extraction.confidence;
   }
   report.fields["candidates"] = candidates_of(extraction);
@@ -144,7 +148,7 @@ Result<void> write_line_pages(const std::filesystem::path& folder, const cloud::
                   .line = &extraction.line,
                   .T_base_shoe = extraction.T_base_shoe,
                   .path_mm = {}};
-    if (extraction.refusal) add_refusal(view.report, report::told(*extraction.refusal));
+    if (const auto told = extraction.told()) add_refusal(view.report, *told);
     BITELINE_TRY(write_view(folder, view));
     return write_page(folder, extraction, weak, report);
   }));

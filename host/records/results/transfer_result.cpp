@@ -61,11 +61,12 @@ void fill(const transfer::Transfer& transfer, report::Report& report) {
   report.fields["confidence"] = transfer.confidence;
   report.fields["bound_mm"] = transfer.bound_mm;
   fill_seam(transfer.seam, report);
-  if (!transfer.alignment.next_step.empty()) report.fields["next_step"] = transfer.alignment.next_step;
+  if (!transfer.scan_cause && !transfer.alignment.next_step.empty())
+    report.fields["next_step"] = transfer.alignment.next_step;
   report.fields["surface"] = transfer.from_mesh ? "mesh" : "points";
   for (const report::StageTime& stage : transfer.stages)
     report.fields["transfer_s"][stage.name] = stage.seconds;
-  if (transfer.refusal) return report.refuse(*transfer.refusal);
+  if (const auto told = transfer.told()) return report.refuse(*told);
   const transfer::CarriedLine& carried = transfer.carried;
   const cloud::ClosedLine& line = carried.line;
   report.fields["length_mm"] = cloud::length_mm(line);
@@ -94,7 +95,7 @@ Result<void> write_page(const std::filesystem::path& folder, const transfer::Tra
                           : weak.empty()  ? Page::Mood::Good
                                           : Page::Mood::Look;
   Page page{"Bite line from a sample", summary(transfer), mood};
-  if (transfer.refusal) add_next_step(page, report::told(*transfer.refusal));
+  if (const auto told = transfer.told()) add_next_step(page, *told);
   add_weak_stretches(page, weak);
   add_viewer(page, folder);
   if (!transfer.stages.empty()) {
@@ -168,7 +169,7 @@ Result<void> write_transfer_pages(const std::filesystem::path& folder, const clo
                   .line = &transfer.carried.line,
                   .T_base_shoe = T_base_shoe,
                   .path_mm = {}};
-    if (transfer.refusal) add_refusal(view.report, report::told(*transfer.refusal));
+    if (const auto told = transfer.told()) add_refusal(view.report, *told);
     BITELINE_TRY(write_view(folder, view));
     return write_page(folder, transfer, weak, report);
   }));

@@ -95,6 +95,19 @@ TEST(CalibrationCheck, EachScanSaysWhatItSawAndWhatItCannot) {
   CHECK(block["apart_mm"].get<double>() < 0.1);
 }
 
+TEST(CalibrationCheck, AScanWithoutPosesSaysSoAndNotThatNothingIsSeenTwice) {
+  SUCCEEDS(memory);
+  const fs::path scan = next_folder();
+  intake::ScanOutcome outcome = come_in(scan, {});
+  outcome.counts.profiles = outcome.sensor_counters.profiles = 815;
+  outcome.counts.profiles_by_flag[0] = 815;  // pose_missing
+  SUCCEEDS(judge(scan, outcome, OnDrift::Warn));
+  const std::string why =
+      test::read_json_file(scan / "report.json")["calibration_check"]["not_seen_because"].get<std::string>();
+  STRCMP_CONTAINS("0 of 815 profiles can be used: no pose (815)", why.c_str());
+  CHECK_TEXT(why.find("twice") == std::string::npos, why.c_str());
+}
+
 TEST(CalibrationCheck, ADriftIsToldKeptAndMarksTheScansRow) {
   SUCCEEDS(memory);
   for (int i = 0; i < 20; ++i) CHECK_FALSE(check());

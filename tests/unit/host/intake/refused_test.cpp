@@ -8,7 +8,7 @@ namespace biteline::intake {
 TEST_GROUP(IntakeRefused){};
 
 TEST(IntakeRefused, EveryCodeHasItsRow) {
-  test::check_refusal_table(Refused::ScanStopped);
+  test::check_refusal_table(Refused::StripeAlongColumns);
 }
 
 }  // namespace biteline::intake

@@ -74,6 +74,15 @@ TEST(ScanCapture, WhatCannotBeUsedIsBad) {
   is(Grade::Bad, "the recording was ended: no space left");
 }
 
+TEST(ScanCapture, TheCauseIsNamedByTheScansOwnCounts) {
+  scan.count.not_usable = scan.seen.profiles = 600;
+  scan.seen.profiles_by_flag[0] = 600;  // pose_missing
+  is(Grade::Bad, "0 of 600 profiles can be used: no pose (600)");
+  CHECK(cause_of(scan)->code == intake::Refused::NoPoses);
+  setup();
+  CHECK_FALSE(cause_of(scan).has_value());
+}
+
 TEST(ScanCapture, AFolderThatIsThereIsLeftAlone) {
   const test::TemporaryFolder folder;
   FAILS_NAMING(Errc::WrongState, "name another folder",
