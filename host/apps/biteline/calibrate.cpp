@@ -71,7 +71,11 @@ Result<calibration::HeadInput> read_input(const CalibrateOptions& options, const
                                           const std::optional<geometry::SensorModel>& known, bool quiet) {
   calibration::HeadInput input;
   report::Progress progress{"parts", k_parts.size(), quiet};
-  if (known) input.known_camera = known->camera;
+  if (known) {
+    input.known_camera = known->camera;
+    input.known_reach = {.width_px = known->region.offset_u_px + known->region.width_px,
+                         .height_px = known->region.offset_v_px + known->region.height_px};
+  }
   // The camera is under everything; its pictures are taken also when only a later part is asked for.
   if (parts.contains("camera") || !known) {
     BITELINE_ASSIGN(input.camera, calibration::read_camera_folder(options.calib));
@@ -268,7 +272,7 @@ Result<ExitStatus> calibrate(const CalibrateOptions& options, const GlobalOption
   if (result.refused) {
     if (error_row(result.refused->code).exit_status != ExitStatus::Refused)
       return tl::unexpected<Error>(*result.refused);
-    return refuse(report, calibration::refusal_of(result.refused_in, *result.refused), options, global);
+    return refuse(report, calibration::refusal_of(result), options, global);
   }
   // Not to be used: what is not written cannot be.
   if (verdict.grade == calibration::Grade::Bad)
@@ -342,7 +346,9 @@ Result<ExitStatus> calibrate(const CalibrateOptions& options, const GlobalOption
   // Again: what came after the pictures is in it now.
   BITELINE_TRY(write_calibration_page(report.fields, verdict, options.out));
   BITELINE_TRY(report.write(options.out));
-  return tell(report, global, words_of(verdict));
+  std::string words = words_of(verdict);
+  if (result.hand_eye) words += "\n  " + calibration::mounting_words(sensor.T_flange_cam);
+  return tell(report, global, words);
 }
 
 void add_options(options::Command* command, const std::shared_ptr<CalibrateOptions>& options, bool whole) {

@@ -21,6 +21,7 @@
 #include "host/apps/biteline/command.hpp"
 #include "host/calibration/head/camera_state.hpp"
 #include "host/calibration/head/folder.hpp"
+#include "host/calibration/head/pose_file.hpp"
 #include "host/calibration/head/verdict.hpp"
 #include "host/calibration/laser/stripe.hpp"
 #include "host/calibration/rings/picture.hpp"
@@ -159,10 +160,10 @@ class Session {
     }
     const fs::path table = folder_ / "poses.csv";
     if (part_ == Part::HandEye && options_.poses.empty() && fs::exists(table)) {
-      BITELINE_ASSIGN(poses_, session::read_pose_table(table, session::RowOrder::Any));
+      BITELINE_ASSIGN(poses_, calibration::read_hand_eye_poses(table));
     }
     if (!options_.poses.empty()) {
-      BITELINE_ASSIGN(poses_, session::read_pose_table(options_.poses, session::RowOrder::Any));
+      BITELINE_ASSIGN(poses_, calibration::read_hand_eye_poses(options_.poses));
     }
     for (const session::StampedPose& pose : poses_) places_.push_back(pose.T_base_flange);
     advise();

@@ -11,10 +11,18 @@
 
 namespace biteline::calibration {
 
+/// What a whole folder of pictures may have in common, whatever they show.
+enum class PictureFault {
+  None,    ///< it is this picture's own
+  Size,    ///< another size than the folder's others
+  Mosaic,  ///< raw, of a colour sensor
+};
+
 /// A picture, pose or ring set aside, and why: reported, never silent.
 struct SetAside {
   std::string name;
   std::string reason;
+  PictureFault fault{PictureFault::None};
 };
 
 struct CameraView {

@@ -16,6 +16,7 @@ namespace {
 
 /// Smooths away the noise and keeps squares of 12 px apart.
 constexpr double k_smoothing_px = 1.5;
+constexpr std::size_t k_least_square_px = 12;
 /// Of the smoothed grey's second derivatives: half of what a contrast of 8 grey levels has behind a lens of
 /// 2 px, and 70 times what noise of 2 grey levels has.
 constexpr float k_least_saddle = 0.5F;
@@ -239,7 +240,10 @@ std::vector<Corner> find_corners(const image::GreyImage& picture) {
     cv::Mat scaled;
     grey.convertTo(scaled, CV_32F);
     if (scale > 1) cv::resize(scaled, scaled, cv::Size(), 1.0 / scale, 1.0 / scale, cv::INTER_AREA);
-    for (Corner& rough : rough_corners(scaled)) {
+    std::vector<Corner> roughs = rough_corners(scaled);
+    // More corners than the smallest squares could have: noise, or a pattern of single pixels.
+    if (roughs.size() * k_least_square_px * k_least_square_px > scaled.total()) continue;
+    for (Corner& rough : roughs) {
       rough.place_px = ((rough.place_px.array() + 0.5) * scale - 0.5).matrix();
       rough.blur_a_px = rough.blur_b_px = scale;
       const bool known = std::any_of(corners.begin(), corners.end(), [&](const Corner& corner) {

@@ -108,9 +108,28 @@ double agreement(std::span<const StopReadings> stops, std::size_t enough) {
   return 1 / (1e-6 + fit->rms_mm / std::max(1e-9, motion_mm));
 }
 
-}  // namespace
+/// A stop with one reading for each way that the target may be turned, and where those stand.  Readings that
+/// are shifted by whole pitches turn alike: of a large grid that is half seen there are hundreds, and the
+/// work below grows with the third power of their number.
+struct TurnedStop {
+  StopReadings stop;
+  std::vector<std::size_t> readings;
+};
+TurnedStop turned(const StopReadings& all) {
+  constexpr double k_alike_rad = 1e-6;
+  TurnedStop one{.stop = {.T_base_flange = all.T_base_flange, .T_cam_target = {}}, .readings = {}};
+  for (std::size_t k = 0; k < all.T_cam_target.size(); ++k) {
+    const bool known = std::ranges::any_of(one.stop.T_cam_target, [&](const SE3& T) {
+      return turn_rad(T.linear(), all.T_cam_target[k].linear()) < k_alike_rad;
+    });
+    if (known) continue;
+    one.stop.T_cam_target.push_back(all.T_cam_target[k]);
+    one.readings.push_back(k);
+  }
+  return one;
+}
 
-Consensus rotation_consensus(std::span<const StopReadings> stops) {
+Consensus consensus_of_turned(std::span<const StopReadings> stops) {
   Consensus best;
   const std::size_t n = stops.size();
   if (n < 3) return best;
@@ -144,6 +163,22 @@ Consensus rotation_consensus(std::span<const StopReadings> stops) {
     }
   }
   return settled(stops, std::move(best));
+}
+
+}  // namespace
+
+Consensus rotation_consensus(std::span<const StopReadings> stops) {
+  std::vector<StopReadings> reduced;
+  std::vector<std::vector<std::size_t>> readings;
+  for (const StopReadings& stop : stops) {
+    TurnedStop one = turned(stop);
+    reduced.push_back(std::move(one.stop));
+    readings.push_back(std::move(one.readings));
+  }
+  Consensus consensus = consensus_of_turned(reduced);
+  for (std::size_t i = 0; i < consensus.stops.size(); ++i)
+    consensus.readings[i] = readings[consensus.stops[i]][consensus.readings[i]];
+  return consensus;
 }
 
 std::string explain_disagreement(std::span<const StopReadings> stops, std::size_t enough) {

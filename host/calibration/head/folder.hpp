@@ -22,7 +22,9 @@ struct CameraFolder {
 
 struct LaserFolder {
   RingTarget target;
+  PictureSize size;
   std::vector<LaserPictures> places;
+  std::vector<SetAside> set_aside;  ///< of another size, or raw mosaics
 };
 
 struct ArmPicture {
@@ -32,6 +34,7 @@ struct ArmPicture {
 
 struct HandEyeFolder {
   RingTarget target;
+  PictureSize size;
   std::vector<ArmPicture> views;
   std::vector<SetAside> set_aside;
 };

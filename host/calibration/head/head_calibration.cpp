@@ -6,6 +6,8 @@
 #include <cmath>
 #include <span>
 
+#include "host/calibration/head/input_fault.hpp"
+
 namespace biteline::calibration {
 
 namespace {
@@ -118,6 +120,7 @@ class Calibrator {
   }
 
   Result<void> laser_part() {
+    append(result_.set_aside, input_.laser->set_aside);
     BITELINE_ASSIGN(result_.laser, calibrate_laser(camera_, input_.laser->places));
     append(result_.set_aside, result_.laser->set_aside);
     start_.plane = result_.laser->plane;
@@ -219,7 +222,22 @@ class Calibrator {
 
 }  // namespace
 
+Refusal refusal_of(const HeadCalibration& calibration) {
+  BITELINE_EXPECTS(calibration.refused.has_value());
+  if (!calibration.refused_as) return refusal_of(calibration.refused_in, *calibration.refused);
+  return {.code = *calibration.refused_as, .reason = std::string{calibration.refused->where.view()}};
+}
+
 HeadCalibration calibrate_head(const HeadInput& input) {
+  if (const std::optional<Refusal> fault = input_fault(input)) {
+    HeadCalibration result;
+    result.refused = fail(Errc::Refused, "%s", fault->reason.c_str()).value();
+    result.refused_as = fault->code;
+    if (input.camera) append(result.set_aside, input.camera->set_aside);
+    if (input.laser) append(result.set_aside, input.laser->set_aside);
+    if (input.hand_eye) append(result.set_aside, input.hand_eye->set_aside);
+    return result;
+  }
   const PixelGrid grid = pixel_grid_of(input);
   if (!grid.uneven()) return Calibrator(input, grid).run();
   const HeadInput even = evened_out(input, grid);

@@ -16,6 +16,7 @@ struct HeadInput {
   std::optional<LaserFolder> laser;
   std::optional<HandEyeFolder> hand_eye;
   std::optional<geometry::Camera> known_camera;  ///< used, and not changed, when `camera` is not there
+  std::optional<PictureSize> known_reach;        ///< of that camera's region: pictures are no smaller
 };
 
 /// What came out.  `refused` names the part that gives no trustworthy answer; what was found before it is
@@ -29,8 +30,12 @@ struct HeadCalibration {
   PixelGrid pixel_grid;               ///< of the pictures; what was uneven is evened out in all views here
   std::vector<SetAside> set_aside;    ///< of all parts
   std::optional<Error> refused;
-  Part refused_in{Part::Camera};  ///< of `refused`
+  Part refused_in{Part::Camera};        ///< of `refused`
+  std::optional<Refused> refused_as{};  ///< where part and kind of error do not say it
 };
+
+/// Pre: refused, and with the exit status of a refusal.
+[[nodiscard]] Refusal refusal_of(const HeadCalibration& calibration);
 
 /// Each part alone first, which finds what contradicts; then one adjustment of all that is left.
 [[nodiscard]] HeadCalibration calibrate_head(const HeadInput& input);

@@ -101,6 +101,7 @@ Json hand_eye_json(const HeadCalibration& all) {
   const Twist sigma = all.fit.mounting_sigma();
   Json json;
   json["T_flange_cam"] = matrix_json(all.fit.state.T_flange_cam);
+  json["mounting_mm"] = all.fit.state.T_flange_cam.translation().norm();
   json["T_base_target"] = matrix_json(all.fit.state.T_base_target);
   json["sigma_mm"] = vector_json(Vec3(sigma.head<3>()));
   json["sigma_deg"] = vector_json(Vec3(sigma.tail<3>() * k_degrees_per_rad));

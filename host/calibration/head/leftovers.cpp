@@ -5,7 +5,7 @@
 #include <set>
 
 #include "common/config/camera_state_yaml.hpp"
-#include "common/session/session.hpp"
+#include "host/calibration/head/pose_file.hpp"
 #include "host/calibration/rings/picture.hpp"
 
 namespace biteline::calibration {
@@ -88,7 +88,7 @@ std::vector<std::string> hand_eye_leftovers(const fs::path& calib) {
   Folder folder{calib, "handeye"};
   folder.know("poses.csv");
   const Numbers pictures = folder.take(".png");
-  const auto poses = session::read_pose_table(calib / "handeye/poses.csv", session::RowOrder::Any);
+  const auto poses = read_hand_eye_poses(calib / "handeye/poses.csv");
   if (poses) {
     for (const session::StampedPose& pose : *poses) {
       const std::int64_t number = pose.stamp.time_since_epoch().count();

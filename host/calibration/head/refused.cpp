@@ -29,6 +29,14 @@ std::span<const report::RefusalRow<Refused>> refusal_table(Refused) {
       Row{ClockNotConverged, "clock_not_converged", "record clock/ again"},
       Row{GradeBad, "calibration_bad",
           "take the pictures again that the report names, with focus, lens and target left alone"},
+      Row{MosaicPictures, "mosaic_pictures",
+          "set the camera to a grey (mono) format, or convert the pictures to grey, then take them again"},
+      Row{PictureSizes, "picture_sizes",
+          "take all pictures with the same size, binning and region of the camera"},
+      Row{LaserAlongColumns, "laser_along_columns",
+          "turn camera or laser by 90 degrees, so that the stripe crosses every column once"},
+      Row{PosesFrozen, "poses_frozen",
+          "see that the controller sends new poses, then record a pose anew at each picture"},
   };
   return k_rows;
 }

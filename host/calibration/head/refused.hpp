@@ -28,6 +28,11 @@ enum class Refused {
   ClockNotDetermined,
   ClockNotConverged,
   GradeBad,  ///< it was worked out, and its own figures say that it is not to be used
+  // Of the input, before any part is looked at (input_fault.hpp):
+  MosaicPictures,     ///< raw, of a colour sensor
+  PictureSizes,       ///< the folders' pictures are of different sizes, or smaller than the known camera's
+  LaserAlongColumns,  ///< the stripe runs along the pictures' columns
+  PosesFrozen,        ///< nearly every pose of the arm is the same one
 };
 
 [[nodiscard]] std::span<const report::RefusalRow<Refused>> refusal_table(Refused);

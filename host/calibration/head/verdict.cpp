@@ -26,6 +26,11 @@ constexpr Bounds k_left_out_mm{0.1, 0.3};
 constexpr double k_coverage_ratio = 0.5, k_tilt_deg = 25, k_axes_spread_deg = 20, k_turn_deg = 30;
 constexpr std::size_t k_camera_views = 8, k_laser_views = 5, k_hand_eye_views = 8;
 
+// A head hangs before the flange.  The one of the drawings sits 293 mm from it; 400 mm is more than an arm
+// with 5 kg carries a head at.  Behind the flange there is the wrist: only a tool's tip has the camera behind
+// it.
+constexpr double k_far_head_mm = 400, k_behind_flange_mm = -60;
+
 class Judge {
  public:
   void figure(double value, Bounds bounds, const char* words) {
@@ -111,12 +116,28 @@ Verdict judge(const HeadCalibration& head) {
   if (head.camera) add(judge(*head.camera));
   if (head.laser) add(judge(*head.laser));
   if (head.hand_eye) add(judge(*head.hand_eye));
+  if (head.hand_eye && head.fit.converged) {
+    const Vec3 at = head.fit.state.T_flange_cam.translation();
+    if (at.norm() > k_far_head_mm || at.z() < k_behind_flange_mm) {
+      all.grade = std::max(all.grade, Grade::Fair);
+      all.reasons.push_back(mounting_words(head.fit.state.T_flange_cam) +
+                            ": are these poses of the flange, or of the tool's tip?");
+    }
+  }
   for (const SetAside& one : head.set_aside) all.retake.push_back(one.name + ": " + one.reason);
   if (head.refused) {
     all.grade = Grade::Bad;
     all.reasons.emplace_back(head.refused->where.view());
   }
   return all;
+}
+
+std::string mounting_words(const SE3& T_flange_cam) {
+  const Vec3& at = T_flange_cam.translation();
+  char text[120];
+  std::snprintf(text, sizeof text, "the camera sits %.0f mm from the flange, at x %.0f, y %.0f, z %.0f",
+                at.norm(), at.x(), at.y(), at.z());
+  return text;
 }
 
 Refusal refusal_of(const Verdict& verdict) {

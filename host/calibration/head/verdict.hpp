@@ -25,6 +25,9 @@ struct Verdict {
 /// The worst of the parts; refused is bad.  Pictures that were set aside are among those to retake.
 [[nodiscard]] Verdict judge(const HeadCalibration& head);
 
+/// "the camera sits 293 mm from the flange, at x 9, y 153, z 250": to be held against the drawing.
+[[nodiscard]] std::string mounting_words(const SE3& T_flange_cam);
+
 /// Pre: the grade is bad.
 [[nodiscard]] Refusal refusal_of(const Verdict& verdict);
 

@@ -17,6 +17,7 @@ struct LaserPictures {
   std::string name;
   std::vector<PlaneView> planes;    ///< one or two grids
   std::vector<StripePoint> stripe;  ///< thinned
+  bool along_columns{false};        ///< so the stripe runs, and hardly a column meets it once
 };
 
 /// A stripe point on the target's plane `plane` of its view.

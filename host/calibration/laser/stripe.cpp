@@ -106,4 +106,36 @@ std::vector<StripePoint> thin_stripe(const std::vector<StripePoint>& points, int
   return result;
 }
 
+bool runs_along_columns(const image::GreyImage& picture) {
+  if (picture.pixels.empty()) return false;
+  std::array<std::size_t, 256> count{};
+  for (const std::uint8_t grey : picture.pixels) ++count[grey];
+  std::size_t below = 0;
+  int background = 0, brightest = 255;
+  while (background < 255 &&
+         (below += count[static_cast<std::size_t>(background)]) < picture.pixels.size() / 2)
+    ++background;
+  while (brightest > 0 && count[static_cast<std::size_t>(brightest)] == 0) --brightest;
+  // A stripe stands out of the picture's background by more than noise does.
+  constexpr int k_least_light_grey = 30, k_least_pixels = 50;
+  if (brightest - background < k_least_light_grey) return false;
+  const int bright = background + (brightest - background) / 2;
+  double n = 0, u_sum = 0, uu = 0, v_sum = 0, vv = 0;
+  for (int v = 0; v < picture.height_px; ++v) {
+    const auto row = picture.row(v);
+    for (int u = 0; u < picture.width_px; ++u) {
+      if (row[static_cast<std::size_t>(u)] < bright) continue;
+      n += 1;
+      u_sum += u;
+      uu += static_cast<double>(u) * u;
+      v_sum += v;
+      vv += static_cast<double>(v) * v;
+    }
+  }
+  // Twice as high as it is wide: whole stripes are ten times as long as they are bent.
+  constexpr double k_upright_ratio = 2;
+  return n >= k_least_pixels &&
+         vv - v_sum * v_sum / n > k_upright_ratio * k_upright_ratio * (uu - u_sum * u_sum / n);
+}
+
 }  // namespace biteline::calibration

@@ -24,4 +24,7 @@ struct StripePoint {
 /// ones off their run's line left out: a tenth of the equations with all of the information.
 [[nodiscard]] std::vector<StripePoint> thin_stripe(const std::vector<StripePoint>& points, int columns);
 
+/// The light is far longer along the columns than across them: camera or laser hangs turned by 90 degrees.
+[[nodiscard]] bool runs_along_columns(const image::GreyImage& picture);
+
 }  // namespace biteline::calibration

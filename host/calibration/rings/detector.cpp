@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <opencv2/imgproc.hpp>
 
 #include "host/calibration/rings/edges.hpp"
@@ -16,6 +17,8 @@ namespace {
 constexpr double k_least_inner_semi_px = 2.0;
 /// Share of an edge that must be seen for its ellipse to be trusted.
 constexpr double k_least_coverage_ratio = 0.6;
+/// Each of the four thresholds may show a ring that is not seen whole, and so does not become one.
+constexpr std::size_t k_most_tries_per_ring = 4;
 /// Printed rings: anything from a thin ring to a small hole.
 constexpr double k_least_diameter_ratio = 0.2, k_most_diameter_ratio = 0.9;
 
@@ -66,16 +69,24 @@ std::vector<std::pair<Ellipse, Ellipse>> rough_rings(const image::GreyImage& pic
   std::vector<cv::Vec4i> links;
   cv::findContours(binary, contours, links, cv::RETR_CCOMP, cv::CHAIN_APPROX_NONE);
   std::vector<std::pair<Ellipse, Ellipse>> found;
+  // The dark round many holes is fitted once, not for each of them: so the work grows with the length of all
+  // contours, and that with the picture.
+  std::map<std::size_t, std::optional<Ellipse>> outers;
   for (std::size_t i = 0; i < contours.size(); ++i) {
     const int parent = links[i][3];
     if (parent < 0) continue;  // not a hole
+    const cv::Rect box = cv::boundingRect(contours[i]);
+    if (std::min(box.width, box.height) < 2 * k_least_inner_semi_px) continue;
     const std::optional<Ellipse> inner = contour_ellipse(contours[i], false);
     if (!inner || inner->minor_semi < k_least_inner_semi_px) continue;
-    const auto& around = contours[static_cast<std::size_t>(parent)];
+    const auto of_dark = static_cast<std::size_t>(parent);
+    const auto& around = contours[of_dark];
     // Dark surroundings of the whole board have holes too: their outline is far longer than a ring's.
     if (static_cast<double>(around.size()) > 40 * inner->major_semi / k_least_diameter_ratio) continue;
-    std::optional<Ellipse> outer = contour_ellipse(around, false);
-    if (!outer) outer = contour_ellipse(around, true);
+    const auto [known, is_new] = outers.try_emplace(of_dark);
+    std::optional<Ellipse>& outer = known->second;
+    if (is_new) outer = contour_ellipse(around, false);
+    if (is_new && !outer) outer = contour_ellipse(around, true);
     if (outer && plausible_pair(*outer, *inner)) found.emplace_back(*outer, *inner);
   }
   return found;
@@ -126,8 +137,9 @@ std::optional<Ring> refine_ring(const image::GreyImage& picture, const Ellipse& 
   return ring;
 }
 
-std::vector<Ring> find_rings(const image::GreyImage& picture) {
+std::vector<Ring> find_rings(const image::GreyImage& picture, std::size_t most) {
   std::vector<Ring> rings;
+  std::size_t tried = 0;
   const int side_px = std::max(picture.width_px, picture.height_px);
   // From windows that hold one small ring to the whole picture.
   for (const int divisor : {16, 8, 4, 1}) {
@@ -136,7 +148,10 @@ std::vector<Ring> find_rings(const image::GreyImage& picture) {
           rings.begin(), rings.end(),
           [&, middle = outer.centre](const Ring& ring) { return ring.outer.distance(middle) < 0; });
       if (known) continue;
+      // Rings that are none cost as much as those that are.
+      if (++tried > k_most_tries_per_ring * most) return {};
       if (std::optional<Ring> ring = refine_ring(picture, outer, inner)) rings.push_back(std::move(*ring));
+      if (rings.size() > most) return {};
     }
   }
   return rings;

@@ -21,7 +21,10 @@ struct Ring {
 
 /// Every whole, dark, closed ring; several scales of the threshold, so that size and light may be anything.
 /// A ring that is cut, covered or washed out is not found; it costs nothing else.
-[[nodiscard]] std::vector<Ring> find_rings(const image::GreyImage& picture);
+/// None at all where there are more than `most`: noise and patterns are full of spots that pass for rings,
+/// and a picture of a target is not.
+inline constexpr std::size_t k_most_rings = 4000;
+[[nodiscard]] std::vector<Ring> find_rings(const image::GreyImage& picture, std::size_t most = k_most_rings);
 
 /// The ring whose edges lie near two ellipses, where at least 60 % of each edge can be seen.
 [[nodiscard]] std::optional<Ring> refine_ring(const image::GreyImage& picture, const Ellipse& outer,

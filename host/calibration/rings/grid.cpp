@@ -24,19 +24,29 @@ double size_of(const Ellipse& ellipse) {
   return std::sqrt(ellipse.major_semi * ellipse.minor_semi);
 }
 
-/// Whether the ring looks as a ring of the target does at that place of the plane.
-bool agrees(const Ring& ring, const Mat3& H, Cell cell, double outer_radius_pitch) {
-  const std::optional<Ellipse> expected =
-      project_circle(H, Vec2(cell.second, cell.first), outer_radius_pitch);
-  if (!expected) return false;
-  const Vec2 place = apply_homography(H, Vec2(cell.second, cell.first));
+/// How a ring of the target looks at a place of the plane.
+struct Expected {
+  Ellipse outer;
+  Vec2 place_px{Vec2::Zero()};
+  double reach_px{0};  ///< it may lie this far from there
+};
+std::optional<Expected> expected_at(const Mat3& H, Cell cell, double outer_radius_pitch) {
+  const std::optional<Ellipse> outer = project_circle(H, Vec2(cell.second, cell.first), outer_radius_pitch);
+  if (!outer) return std::nullopt;
   // One pitch in the picture, across the ellipse's narrow side.
-  const double pitch_px = expected->minor_semi / outer_radius_pitch;
-  if ((ring.centre_px - place).norm() > k_reach_pitch * pitch_px + 1.0) return false;
-  if (std::abs(std::log(size_of(ring.outer) / size_of(*expected))) > k_size_tolerance_ratio) return false;
+  const double pitch_px = outer->minor_semi / outer_radius_pitch;
+  return Expected{.outer = *outer,
+                  .place_px = apply_homography(H, Vec2(cell.second, cell.first)),
+                  .reach_px = k_reach_pitch * pitch_px + 1.0};
+}
+
+bool agrees(const Ring& ring, const Expected& expected) {
+  if ((ring.centre_px - expected.place_px).norm() > expected.reach_px) return false;
+  if (std::abs(std::log(size_of(ring.outer) / size_of(expected.outer))) > k_size_tolerance_ratio)
+    return false;
   // The long axis sees the tilt's direction: the other plane of a corner fails here.
-  const double major_ratio = ring.outer.major_semi / expected->major_semi,
-               minor_ratio = ring.outer.minor_semi / expected->minor_semi;
+  const double major_ratio = ring.outer.major_semi / expected.outer.major_semi,
+               minor_ratio = ring.outer.minor_semi / expected.outer.minor_semi;
   return std::abs(std::log(major_ratio)) < k_size_tolerance_ratio &&
          std::abs(std::log(minor_ratio)) < k_size_tolerance_ratio;
 }
@@ -121,7 +131,8 @@ class Grower {
     const std::optional<Mat3> first = lattice_homography(lattice, rings_);
     if (!first || homography_orientation(*first, Vec2(0.5, 0.5)) <= 0) return {};
     for (const auto& [cell, index] : lattice) {
-      if (!agrees(rings_[index], *first, cell, outer_radius_pitch_)) return {};
+      const auto expected = expected_at(*first, cell, outer_radius_pitch_);
+      if (!expected || !agrees(rings_[index], *expected)) return {};
     }
     std::vector<char> used = taken_;
     for (const auto& [cell, index] : lattice) used[index] = 1;
@@ -137,13 +148,13 @@ class Grower {
           if (!extent.fits(target_)) continue;
           const std::optional<Mat3> H = local_homography(lattice, rings_, next, 3);
           if (!H) continue;
-          const Vec2 place_px = apply_homography(*H, Vec2(next.second, next.first));
+          const auto expected = expected_at(*H, next, outer_radius_pitch_);
+          if (!expected) continue;
           std::optional<std::size_t> found;
           double found_px = std::numeric_limits<double>::max();
           for (std::size_t i = 0; i < rings_.size(); ++i) {
-            const double distance_px = (rings_[i].centre_px - place_px).norm();
-            if (used[i] || distance_px >= found_px || !agrees(rings_[i], *H, next, outer_radius_pitch_))
-              continue;
+            const double distance_px = (rings_[i].centre_px - expected->place_px).norm();
+            if (used[i] || distance_px >= found_px || !agrees(rings_[i], *expected)) continue;
             found_px = distance_px;
             found = i;
           }
@@ -220,7 +231,12 @@ std::vector<GridView> find_grids(const std::vector<Ring>& rings, const RingTarge
 
 std::vector<GridView> find_grids(const image::GreyImage& picture, const RingTarget& target, int count) {
   if (target.chessboard()) return find_chessboards(picture, target, count);
-  std::vector<Ring> rings = find_rings(picture);
+  // Beside the target there may be others and much that only looks like rings.  Growing a grid tries every
+  // ring with its neighbours against all others, so their number bounds the work.
+  constexpr std::size_t k_surplus_ratio = 10, k_least_surplus = 1000;
+  const std::size_t most =
+      k_least_surplus + k_surplus_ratio * static_cast<std::size_t>(target.rings() * target.planes);
+  std::vector<Ring> rings = find_rings(picture, most);
   std::vector<GridView> views = find_grids(rings, target, count);
   const std::size_t before = rings.size();
   for (const GridView& view : views) {

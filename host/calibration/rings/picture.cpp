@@ -2,11 +2,14 @@
 #include "host/calibration/rings/picture.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cctype>
 #include <charconv>
+#include <map>
 #include <opencv2/imgcodecs.hpp>
 #include <string>
-
 #include <string_view>
+#include <utility>
 
 #include "common/system/file.hpp"
 
@@ -34,6 +37,45 @@ Result<void> check_size(const std::string& bytes, const fs::path& file) {
               k_most_side_px, number(16), number(20));
 }
 
+/// What OpenCV reads here, as in toolchains/debian-12.packages.
+constexpr std::array<std::string_view, 8> k_endings{".png", ".bmp", ".tif", ".tiff",
+                                                    ".pgm", ".ppm", ".jpg", ".jpeg"};
+
+std::string lower(std::string text) {
+  std::ranges::transform(text, text.begin(),
+                         [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
+  return text;
+}
+
+bool read_number(const std::string& text, int& number) {
+  const auto parsed = std::from_chars(text.data(), text.data() + text.size(), number);
+  return parsed.ec == std::errc{} && parsed.ptr == text.data() + text.size();
+}
+
+/// "; 12 .png lie there, such as img_01.png, and 2 folders"; nothing where nothing does.
+std::string what_lies_in(const fs::path& folder) {
+  std::map<std::string, std::pair<int, std::string>> files;  // by ending: how many, and the first
+  int folders = 0;
+  std::error_code ignored;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
+    const std::string name = entry.path().filename().string();
+    if (entry.is_directory(ignored)) {
+      ++folders;
+    } else if (!name.starts_with('.')) {
+      auto& [count, first] = files[lower(entry.path().extension().string())];
+      if (count++ == 0 || name < first) first = name;
+    }
+  }
+  std::string words;
+  for (const auto& [ending, of] : files) {
+    words += words.empty() ? "; there are " : ", ";
+    words += std::to_string(of.first) + " " + (ending.empty() ? "files" : ending) + " (" + of.second + ")";
+  }
+  if (folders > 0)
+    words += (words.empty() ? "; there are " : ", ") + std::to_string(folders) + " folders inside";
+  return words;
+}
+
 }  // namespace
 
 Result<image::GreyImage> read_picture(const fs::path& file) {
@@ -56,23 +98,30 @@ Result<image::GreyImage> read_picture(const fs::path& file) {
 }
 
 Result<std::vector<NumberedPicture>> numbered_pictures(const fs::path& folder, const std::string& suffix) {
-  std::vector<NumberedPicture> pictures;
-  std::error_code error;
+  const std::string mark = suffix.substr(0, suffix.rfind('.'));  // "_rings", or nothing
+  // One folder's pictures have one ending: .png, or else what most of them have.
+  std::map<std::string, std::vector<NumberedPicture>> by_ending;
+  std::error_code error, ignored;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
-    const std::string name = entry.path().filename().string();
-    if (name.size() <= suffix.size() || !name.ends_with(suffix)) continue;
+    const std::string ending = lower(entry.path().extension().string());
+    if (std::ranges::find(k_endings, ending) == k_endings.end() || !entry.is_regular_file(ignored)) continue;
+    const std::string stem = entry.path().stem().string();
     NumberedPicture picture{.number = 0, .file = entry.path()};
-    const char* end = name.data() + name.size() - suffix.size();
-    const auto parsed = std::from_chars(name.data(), end, picture.number);
-    if (parsed.ec != std::errc{} || parsed.ptr != end) continue;
-    pictures.push_back(std::move(picture));
+    if (stem.ends_with(mark) && read_number(stem.substr(0, stem.size() - mark.size()), picture.number))
+      by_ending[ending].push_back(std::move(picture));
   }
   if (error)
     return fail_errno(Errc::FileNotFound, error.value(), "%s: a folder of pictures expected", folder.c_str());
-  if (pictures.empty())
-    return fail(Errc::FileNotFound, "%s: pictures NN%s expected", folder.c_str(), suffix.c_str());
-  std::sort(pictures.begin(), pictures.end(),
-            [](const auto& a, const auto& b) { return a.number < b.number; });
+  if (by_ending.empty()) {
+    return fail(Errc::FileNotFound, "%s: pictures NN%s expected%s", folder.c_str(), suffix.c_str(),
+                what_lies_in(folder).c_str());
+  }
+  auto chosen = by_ending.find(".png");
+  if (chosen == by_ending.end()) {
+    chosen = std::ranges::max_element(by_ending, {}, [](const auto& of) { return of.second.size(); });
+  }
+  std::vector<NumberedPicture> pictures = std::move(chosen->second);
+  std::ranges::sort(pictures, {}, &NumberedPicture::number);
   return pictures;
 }
 

@@ -15,7 +15,9 @@ namespace biteline::calibration {
 /// colour.
 [[nodiscard]] Result<image::GreyImage> read_picture(const std::filesystem::path& file);
 
-/// `NN<suffix>` files of a folder with their numbers, in numeric order.  Fails when there is none.
+/// `NN<suffix>` files of a folder with their numbers, in numeric order: "01.png", or "7_rings.png".  Where
+/// there is no .png with a number, what most of them are of .bmp, .tif, .tiff, .pgm, .ppm, .jpg, .jpeg. Fails
+/// when there is none, and says what lies there.
 struct NumberedPicture {
   int number{0};
   std::filesystem::path file;

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "host/calibration/laser/stripe.hpp"
+#include "host/calibration/rings/mosaic.hpp"
 
 namespace biteline::capture {
 namespace {
@@ -87,6 +88,11 @@ PictureVerdict judge_rings(const image::GreyImage& picture, const std::vector<ca
                            const calibration::RingTarget& target) {
   PictureVerdict verdict;
   for (const calibration::GridView& grid : grids) verdict.rings += static_cast<int>(grid.rings.size());
+  if (calibration::is_mosaic(picture)) {
+    verdict.refused = std::string{"the picture "} + calibration::k_mosaic_words +
+                      ": set the camera to a grey (mono) format";
+    return verdict;
+  }
   if (static_cast<int>(grids.size()) < target.planes) {
     verdict.refused = target.planes == 1
                           ? std::string(target.chessboard() ? "the chessboard" : "the ring target") +
@@ -153,7 +159,9 @@ PictureVerdict judge_stripe(const image::GreyImage& picture) {
   const auto full_columns = static_cast<double>(std::ranges::count(full, true));
   if (columns < k_least_stripe_ratio * picture.width_px) {
     verdict.refused =
-        full_columns > columns
+        calibration::runs_along_columns(picture)
+            ? "the stripe runs along the columns: turn camera or laser by 90 degrees"
+        : full_columns > columns
             ? text("the stripe is at full scale in %.0f columns: less laser exposure", full_columns)
             : text(
                   "the stripe is seen in %.0f columns only: more laser exposure, or does it miss the target?",

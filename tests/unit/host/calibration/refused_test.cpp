@@ -9,7 +9,7 @@ namespace biteline::calibration {
 TEST_GROUP(CalibrationRefused){};
 
 TEST(CalibrationRefused, EveryCodeHasItsRow) {
-  biteline::test::check_refusal_table(Refused::GradeBad);
+  biteline::test::check_refusal_table(Refused::PosesFrozen);
 }
 
 TEST(CalibrationRefused, NamesThePartAndTheKindOfTrouble) {

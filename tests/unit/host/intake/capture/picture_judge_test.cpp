@@ -4,6 +4,7 @@
 #include <CppUTest/TestHarness.h>
 
 #include <algorithm>
+#include <cmath>
 #include <random>
 
 #include "tests/support/ring_scene.hpp"
@@ -46,6 +47,19 @@ TEST(PictureJudge, BlurredDarkAndBrightAreToldApart) {
   STRCMP_CONTAINS("too bright", judged(bright).refused.c_str());
 }
 
+TEST(PictureJudge, ARawMosaicIsToldWhetherOrNotTheTargetIsFoundInIt) {
+  for (const double red : {0.6, 0.9}) {
+    image::GreyImage raw = picture(0.9);
+    for (int v = 0; v < raw.height_px; v += 2) {
+      for (int u = 0; u < raw.width_px; u += 2) {
+        std::uint8_t& grey = raw.pixels[static_cast<std::size_t>(v * raw.width_px + u)];
+        grey = static_cast<std::uint8_t>(red * grey);
+      }
+    }
+    STRCMP_CONTAINS("raw mosaic of a colour sensor", judged(raw).refused.c_str());
+  }
+}
+
 TEST(PictureJudge, ATargetThatIsNotThereIsTold) {
   image::GreyImage empty{.width_px = 800, .height_px = 600, .pixels = std::vector<std::uint8_t>(480000, 90)};
   STRCMP_CONTAINS("not seen", judged(empty).refused.c_str());
@@ -75,6 +89,15 @@ TEST(PictureJudge, AChessboardIsJudgedAsRingsAre) {
     return drawn;
   }();
   STRCMP_CONTAINS("count its squares", judged(larger).refused.c_str());
+}
+
+TEST(PictureJudge, AStripeAlongTheColumnsIsToldAsSuch) {
+  image::GreyImage image{.width_px = 640, .height_px = 400, .pixels = {}};
+  for (int i = 0; i < 640 * 400; ++i) {
+    const double off = i % 640 - (300 + 0.1 * (i / 640));
+    image.pixels.push_back(static_cast<std::uint8_t>(2 + 180 * std::exp(-off * off / 12.5)));
+  }
+  STRCMP_CONTAINS("runs along the columns: turn camera or laser", judge_stripe(image).refused.c_str());
 }
 
 TEST(PictureJudge, AStripeIsWantedAndNotAtFullScale) {
