@@ -148,7 +148,7 @@ TEST(CalibrateTool, TwoViewsAreRefusedAndAnOlderResultIsGone) {
 
 TEST(CalibrateTool, BadGradeIsRefusedAndWritesNoCalibration) {
   write_target("");
-  write_views(10, 0.8);
+  write_views(10, 0.4);
   folder.write("out/sensor.yaml", "of an earlier run\n");
   folder.write("out/uncertainty.yaml", "of an earlier run\n");
   LONGS_EQUAL(3, run({"calibrate", "camera", folder.path().string(), "--out", out().string()}, "refused"));

@@ -2,6 +2,7 @@
 // The table of causes of a calibration folder: each is named before target, poses or lens are blamed.
 #include <CppUTest/TestHarness.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <fstream>
@@ -80,7 +81,7 @@ GreyImage stripe_picture(int width_px, int height_px) {
   GreyImage picture{.width_px = width_px, .height_px = height_px, .pixels = {}};
   for (int v = 0; v < height_px; ++v) {
     for (int u = 0; u < width_px; ++u) {
-      const double off = v - (0.5 * height_px + 0.1 * std::abs(u - 0.5 * width_px));
+      const double off = std::clamp(v - (0.5 * height_px + 0.1 * std::abs(u - 0.5 * width_px)), -20.0, 20.0);
       picture.pixels.push_back(static_cast<std::uint8_t>(std::lround(6 + 190 * std::exp(-off * off / 9))));
     }
   }

@@ -18,6 +18,7 @@ TEST_GROUP(ScanCapture) {
     scan = {};
     scan.count = {
         .profiles = 600, .without_stripe = 20, .not_usable = 0, .points = 600'000, .saturated = 1000};
+    scan.seen.profiles = scan.seen.profiles_used = 600;
     scan.facts.complete = true;
     scan.facts.pictures = 600;
   }
@@ -75,7 +76,8 @@ TEST(ScanCapture, WhatCannotBeUsedIsBad) {
 }
 
 TEST(ScanCapture, TheCauseIsNamedByTheScansOwnCounts) {
-  scan.count.not_usable = scan.seen.profiles = 600;
+  scan.count.not_usable = 600;
+  scan.seen.profiles_used = 0;
   scan.seen.profiles_by_flag[0] = 600;  // pose_missing
   is(Grade::Bad, "0 of 600 profiles can be used: no pose (600)");
   CHECK(cause_of(scan)->code == intake::Refused::NoPoses);
