@@ -208,7 +208,7 @@ TEST(Causes, TheSearchHasAnEndInAnyPicture) {
   // What full pictures of nothing but spots cost: without bounds each of these takes minutes or hours.
   std::vector<GreyImage> spotted;
   GreyImage big = pictures(1)[0];
-  big = {.width_px = 1626, .height_px = 1236, .pixels = {}};
+  big = {.width_px = 640, .height_px = 480, .pixels = {}};
   std::uniform_int_distribution<int> any{0, 255};
   for (int i = 0; i < big.width_px * big.height_px; ++i)
     big.pixels.push_back(static_cast<std::uint8_t>(any(random)));
