@@ -148,12 +148,13 @@ TEST(CalibrateTool, TwoViewsAreRefusedAndAnOlderResultIsGone) {
 
 TEST(CalibrateTool, BadGradeIsRefusedAndWritesNoCalibration) {
   write_target("");
-  write_views(10, 0.4);
+  write_views(16, 0.25);
   folder.write("out/sensor.yaml", "of an earlier run\n");
   folder.write("out/uncertainty.yaml", "of an earlier run\n");
   LONGS_EQUAL(3, run({"calibrate", "camera", folder.path().string(), "--out", out().string()}, "refused"));
   STRCMP_EQUAL("refused", report()["status"].get<std::string>().c_str());
-  STRCMP_EQUAL("calibration_bad", report()["reason_code"].get<std::string>().c_str());
+  STRCMP_EQUAL_TEXT("calibration_bad", report()["reason_code"].get<std::string>().c_str(),
+                    report()["reason"].get<std::string>().c_str());
   STRCMP_CONTAINS("rings off by [px]", report()["reason"].get<std::string>().c_str());
   STRCMP_EQUAL("bad", report()["verdict"]["grade"].get<std::string>().c_str());
   CHECK_FALSE(fs::exists(out() / "sensor.yaml"));
@@ -161,7 +162,7 @@ TEST(CalibrateTool, BadGradeIsRefusedAndWritesNoCalibration) {
   CHECK(fs::exists(out() / "index.html"));
   CHECK(fs::exists(out() / "stages/rings_camera.png"));
   // The step, taken: the same places again, with the head at rest.
-  write_views(10);
+  write_views(16);
   LONGS_EQUAL(0, run({"calibrate", "camera", folder.path().string(), "--out", out().string()}, ""));
   CHECK(fs::exists(out() / "sensor.yaml"));
 }
