@@ -291,9 +291,11 @@ void Soak::settle_scripts(const ScanAccount& account) {
   if (sent && scripts_.empty()) find("a path is said to be followed that nobody sent");
   if (scripts_.size() > 1) find("a path was sent twice");
   for (const std::string& script : scripts_) {
-    // The way to the path's beginning stands before the path's own moves.
-    const std::size_t last = account.script.rfind("movep");
-    if (last == std::string::npos || script.find(account.script.substr(last)) == std::string::npos)
+    // The way to the path's beginning stands before the path's own moves, the end of the dead man behind
+    // them.
+    const std::size_t last = account.script.rfind("movep"), end = account.script.rfind("end\n");
+    if (last == std::string::npos || end == std::string::npos || end < last ||
+        script.find(account.script.substr(last, end - last)) == std::string::npos)
       find("a path was sent that is not this scan's");
   }
   scripts_.clear();
