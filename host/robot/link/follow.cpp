@@ -148,9 +148,12 @@ class Run {
   /// Before the whole run is judged, which takes time: an arm whose program has not ended goes on meanwhile.
   std::optional<HaltReason> ended_early() const {
     if (watch_.to_come_mm() <= options_.limits.off_path_mm) return std::nullopt;
+    // A controller says why it ended a program, and a program that was not watched any more does, too.
+    const std::string text = link_.status().last_text;
     return HaltReason{Halt::NotCovered,
-                      std::string{FixedText<100>::format("the program ended %.0f mm before the path did",
-                                                         watch_.to_come_mm())
+                      std::string{FixedText<250>::format(
+                                      "the program ended %.0f mm before the path did%s%.120s",
+                                      watch_.to_come_mm(), text.empty() ? "" : ", it says: ", text.c_str())
                                       .view()}};
   }
 

@@ -61,6 +61,36 @@ TEST(UrScript, PosturesOnTheWayThereComeFirstInTheirOrder) {
   CHECK(line.find("movej") == std::string::npos);
 }
 
+/// Before anything moves, the tool off before the program ends, and gone with it.
+TEST(UrScript, DeadManStandsBeforeAnythingElseAlsoInTheAir) {
+  const path::PlanOutcome air = path::plan(path::first_run(test::plan_request("grind.yaml")));
+  CHECK_TEXT(air.path.has_value(), air.reason().c_str());
+  for (const auto* checked : std::initializer_list<const path::CheckedPath*>{&path, &*air.path}) {
+    const std::string text = urscript(*checked, 47);
+    const auto at = [&](const char* words) { return text.find(words); };
+    CHECK(
+        text.starts_with("def biteline_path():\n  rtde_set_watchdog(\"input_int_register_47\", 2, \"stop\")\n"
+                         "  thread biteline_dead_man():\n"));
+    const std::size_t run = at("  biteline_watch = run biteline_dead_man()\n");
+    CHECK(run < at("set_tcp("));
+    CHECK(at("    set_standard_digital_out(0, False)\n    sync()\n    halt\n  end\n") < run);
+    CHECK(text.ends_with("  kill biteline_watch\nend\n"));
+    // Beside it the program is the same.
+    std::string plain = text;
+    plain.erase(plain.find("  kill biteline_watch\n"), std::string{"  kill biteline_watch\n"}.size());
+    const std::size_t begin = plain.find("  rtde_set_watchdog");
+    plain.erase(begin, plain.find("  set_tcp(") - begin);
+    STRCMP_EQUAL(urscript(*checked).c_str(), plain.c_str());
+  }
+}
+
+/// The thread is done before the controller's own watchdog, which leaves the tool on, also on a CB3.
+TEST(UrScript, DeadMansThreadComesBeforeTheControllersWatchdog) {
+  constexpr double k_cb3_cycle_s = 0.008;
+  CHECK((k_most_still_looks + 1) * (k_look_s + k_cb3_cycle_s) < 1 / k_watchdog_hz);
+  CHECK(1 / k_watchdog_hz <= k_dead_man_s);
+}
+
 TEST(UrScript, EveryLineWaypointIsOneProcessMoveBetweenToolOnAndOff) {
   const auto& waypoints = path.path().waypoints;
   const auto on_line =
