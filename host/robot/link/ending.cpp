@@ -67,12 +67,8 @@ void look(const RobotLink& link, const EndingOptions& options, bool impatient, E
     const Result<RobotState> state = link.wait_newer(sequence, k_look);
     if (!state) continue;
     sequence = state->sequence;
-    // The same instant again says nothing, and an older one that nothing can be told.
-    if (last && state->sampled <= last->sampled) {
-      rest.begin_anew();
-      off.begin_anew();
-      continue;
-    }
+    // The same instant again, or an older one, says nothing about now.
+    if (last && state->sampled <= last->sampled) continue;
     last = *state;
     const bool over = !state->program_running || !state->powered;
     if (rest.since() && !stands(*rest.since(), *state, options)) rest.begin_anew();

@@ -203,7 +203,11 @@ HaltReason not_ended(const Ending& ending) {
 }
 
 void fill(FollowReport& report, const std::vector<RobotState>& states, const path::CheckedPath& path) {
+  std::optional<RobotClock::time_point> last;
   for (const RobotState& state : states) {
+    // As the watch: an instant that was heard already, or an older one, is passed over.
+    if (last && state.sampled <= *last) continue;
+    last = state.sampled;
     report.track.push_back(
         {.time_s = seconds(state.sampled - states.front().sampled), .T_base_tcp = state.T_base_tcp});
   }

@@ -4,6 +4,9 @@
 #include <CppUTest/TestHarness.h>
 
 #include <cstdio>
+#include <optional>
+#include <thread>
+#include <utility>
 
 #include "tests/integration/robot/played_run.hpp"
 #include "tests/support/timed_test.hpp"
@@ -199,6 +202,71 @@ TEST(FollowEndings, OneNoToRemoteControlIsAskedAgainAndTwoAreBelieved) {
   is_done(play([](PlayedState&, double) {}));
   prepare = [](FakeController& controller) { controller.noes = 2; };
   is_stopped(play([](PlayedState&, double) {}), Halt::LocalControl);
+}
+
+/// From before the program, where none runs and the arm stands elsewhere.
+TEST(FollowEndings, OldStatesAmongTheNewOnesAreNotLookedAt) {
+  std::optional<PlayedState> old;
+  int count = 0;
+  is_done(play([&](PlayedState& state, double share) {
+    if (!old) old = state;
+    if (share < 0 || ++count % 3 != 0) return;
+    state.time_s = old->time_s - 0.008 * (count % 5);
+    state.q = old->q;
+    state.tcp_pose = old->tcp_pose;
+    state.runtime_state = 1;
+    state.outputs = 1;
+  }));
+  CHECK(count > 100);
+}
+
+/// A connection that breaks while the program is sent: nobody knows what the controller has of it.
+TEST(FollowEndings, ProgramThatDoesNotLeaveWholeIsStopped) {
+  struct Broken final : RobotLink {
+    kinematics::Joints q_rad;
+    bool begun{true};
+    int stops{0};
+    mutable std::uint64_t sequence{0};
+    RobotState state() const {
+      std::this_thread::sleep_for(std::chrono::milliseconds{1});
+      const auto now = std::chrono::steady_clock::now().time_since_epoch();
+      RobotState state;
+      state.sequence = ++sequence;
+      state.sampled = RobotClock::time_point{std::chrono::duration_cast<Nanoseconds>(now)};
+      state.received = HostClock::time_point{std::chrono::duration_cast<Nanoseconds>(now)};
+      state.q_rad = q_rad;
+      state.powered = true;
+      state.program_running = stops == 0;
+      state.safety = Safety::Normal;
+      return state;
+    }
+    Result<RobotState> latest() const override { return state(); }
+    Result<RobotState> wait_newer(std::uint64_t, Nanoseconds) const override { return state(); }
+    Result<void> send(const PermittedPath&) override { return fail(Errc::ConnectionLost, "script: sending"); }
+    bool may_run() const override { return begun; }
+    Result<void> stop() override {
+      ++stops;
+      return {};
+    }
+    void beat() override {}
+    std::optional<bool> remote_control() override { return {}; }
+    void start_recording() override {}
+    std::vector<RobotState> take_recording() override { return {state(), state()}; }
+    LinkStatus status() const override { return {}; }
+  } link;
+  link.q_rad = home_rad;
+  FollowReport report;
+  const auto followed = follow(link, test::permitted(path, home_rad), {}, report);
+  CHECK(!followed.has_value());
+  CHECK(report.halt && report.halt->code == Halt::NotSent);
+  LONGS_EQUAL(1, link.stops);
+  CHECK(report.ending.at_rest);
+  // What never left needs no stop: somebody else's program may run there.
+  link.begun = false;
+  link.stops = 0;
+  FollowReport refused;
+  CHECK(!follow(link, test::permitted(path, home_rad), {}, refused).has_value());
+  LONGS_EQUAL(0, link.stops);
 }
 
 }  // namespace biteline::robot
