@@ -16,6 +16,8 @@ constexpr const char* k_where =
     " FROM shoes WHERE ($1 = '' OR cell = $1) AND ($2 = '' OR model = $2) AND ($3 = '' OR verdict = $3) AND "
     "time >= to_timestamp($4::bigint / 1000.0) AND time < to_timestamp($5::bigint / 1000.0) AND ($6 = '' OR "
     "reason_code = $6)";
+/// A scan that a person ended on its way says nothing of a shoe.
+constexpr const char* k_no_stopped = " AND NOT (verdict = 'refused' AND reason_code = 'stopped_by_a_person')";
 constexpr const char* k_sums =
     "count(*), count(*) FILTER (WHERE verdict = 'ok'), count(*) FILTER (WHERE verdict = 'amber'), count(*) "
     "FILTER (WHERE verdict = 'refused'), count(*) FILTER (WHERE verdict NOT IN ('ok', 'amber', 'refused')), "
@@ -107,11 +109,11 @@ Result<memory::Trends> Overview::trends(const std::string& cell, const memory::S
          ask(work,
              std::string{"SELECT (extract(epoch FROM (date_trunc($7::text, (time AT TIME ZONE $8::text) - "
                          "$9::interval) + $9::interval) AT TIME ZONE $8::text) * 1000)::bigint AS bucket, "} +
-                 k_sums + k_where + " GROUP BY bucket ORDER BY bucket",
+                 k_sums + k_where + k_no_stopped + " GROUP BY bucket ORDER BY bucket",
              cell, filter, span, zone.empty() ? "UTC" : zone, span == "hour" ? "00:00" : day.begin()))
       trends.buckets.push_back(trend_of(row, 1, row[0].as<std::int64_t>()));
     for (const pqxx::row& row : ask(work,
-                                    std::string{"SELECT reason_code, count(*)"} + k_where +
+                                    std::string{"SELECT reason_code, count(*)"} + k_where + k_no_stopped +
                                         " AND reason_code <> '' GROUP BY reason_code ORDER BY 2 DESC, 1",
                                     cell, filter))
       trends.reasons.push_back({.reason_code = row[0].as<std::string>(), .scans = row[1].as<std::int64_t>()});
@@ -126,7 +128,7 @@ Result<std::vector<Group>> Overview::groups(const memory::ScanFilter& filter) {
     for (const pqxx::row& row :
          ask(work,
              std::string{"SELECT cell, model, (extract(epoch FROM min(time)) * 1000)::bigint, "} + k_sums +
-                 k_where + " GROUP BY cell, model ORDER BY model, cell",
+                 k_where + k_no_stopped + " GROUP BY cell, model ORDER BY model, cell",
              "", filter))
       groups.push_back({.cell = row[0].as<std::string>(),
                         .model = row[1].as<std::string>(),

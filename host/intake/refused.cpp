@@ -13,11 +13,11 @@ std::span<const report::RefusalRow<Refused>> refusal_table(Refused) {
       report::RefusalRow<Refused>{Refused::CameraState, "camera_state",
                                   "set the camera as the reason says and switch off what sets it otherwise, "
                                   "or calibrate it as it is"},
+      report::RefusalRow<Refused>{Refused::StoppedByAPerson, "stopped_by_a_person",
+                                  "start, when the cell is clear"},
       report::RefusalRow<Refused>{
           Refused::ScanSetAside, "scan_set_aside",
           "scan the shoe again, and keep this folder: its recording shows the defect"},
-      report::RefusalRow<Refused>{Refused::ScanStopped, "stopped_by_a_person",
-                                  "start, then scan the shoe again"},
       report::RefusalRow<Refused>{
           Refused::NoPoses, "no_poses",
           "check the arm's cable, that its controller is on, and that board.yaml names its address"},

@@ -7,11 +7,11 @@
 namespace biteline::intake {
 
 enum class Refused {
-  ScanNotComplete,  ///< it ended before its own end: sensor, poses, light or the link failed
-  TestPattern,      ///< the sensor showed made pictures
-  CameraState,      ///< the camera's picture is not as its calibration was made: mirrored, turned, binned
-  ScanSetAside,     ///< working it out failed before: it must not end the service again and again
-  ScanStopped,      ///< a person said stop before it was whole
+  ScanNotComplete,   ///< it ended before its own end: sensor, poses, light or the link failed
+  TestPattern,       ///< the sensor showed made pictures
+  CameraState,       ///< the camera's picture is not as its calibration was made: mirrored, turned, binned
+  StoppedByAPerson,  ///< on its way: what there is of it is no shoe to be judged
+  ScanSetAside,      ///< working it out failed before: it must not end the service again and again
   // Of a scan that came to its end, and in which no line was found (scan_cause.hpp):
   NoPoses,             ///< profiles without any pose
   PosesTooFar,         ///< poses came, and not near enough to the exposures

@@ -36,7 +36,7 @@ struct ScanOutcome {
   LongestGap lost;                 ///< at the scan's worst place
   std::optional<Error> failure;  ///< why the scan did not end by itself, that its end never came, or that its
                                  ///< end says "complete" and the accounts contradict it
-  bool stopped{false};           ///< a person said stop before its end: that is why
+  std::string stopped_by{};      ///< who ended it on its way; empty: nobody
 };
 
 /// Lives in a folder, in a file of its own (scan.btln), from the sensor's hello to the scan's end.  Not

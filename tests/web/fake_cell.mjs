@@ -210,7 +210,7 @@ export class FakeCell {
 
   told_state() {
     const held = this.scans.find((scan) => scan.decision === 'held');
-    return { ...this.state, held: held ? { scan: held.id, waits_for: 'word', fresh_s: this.fresh_s } : null, control: this.control, seq: this.seq };
+    return { ...this.state, held: held ? { scan: held.id, waits_for: 'word', fresh_s: this.fresh_s, sendable: this.fresh_s !== 0 && !this.not_sendable, reason_code: null, reason: this.not_sendable ?? null, next_step: this.not_sendable ? 'scan the shoe again' : null } : null, control: this.control, seq: this.seq };
   }
   push(event, data) {
     const text = JSON.stringify({ event, data, seq: ++this.seq, time: new Date().toISOString() });
@@ -346,7 +346,10 @@ export class FakeCell {
         this.state = { ...this.state, phase: what === 'air' ? 'following' : 'working' };
         this.push('state', this.told_state());
         setTimeout(() => {
-          if (what === 'process') scan.process = given.process;
+          if (what === 'process') {
+            scan.process = scan.process_file = given.process;
+            Object.assign(this.state, { process: given.process, process_by: me.name });
+          }
           if (what === 'air') this.air = { state: 'followed', reason_code: null, reason: null, next_step: null, duration_s: 161.2 };
           this.state = { ...this.state, phase: 'deciding' };
           this.push('scan', scan);

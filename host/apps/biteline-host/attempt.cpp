@@ -3,6 +3,8 @@
 
 #include <unistd.h>
 
+#include "common/core/text.hpp"
+#include "common/system/file.hpp"
 #include "host/apps/biteline-host/steps.hpp"
 #include "host/intake/refused.hpp"
 #include "host/records/report/report.hpp"
@@ -13,6 +15,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* k_mark = "scan.attempt";
+constexpr const char* k_stopped = "scan.stopped";
 
 }  // namespace
 
@@ -28,6 +31,21 @@ void clear_attempt(const fs::path& folder) {
 bool was_attempted(const fs::path& folder) {
   std::error_code error;
   return fs::exists(folder / k_mark, error);
+}
+
+Result<void> mark_stopped(const fs::path& folder, const std::string& who) {
+  return report::write_file_atomically(folder / k_stopped, who + "\n");
+}
+
+std::string stopped_by(const fs::path& folder) {
+  const Result<std::string> text = read_regular_file(folder / k_stopped, 200);
+  std::error_code error;
+  if (!text) return fs::exists(folder / k_stopped, error) ? "somebody" : "";
+  return clean_text(text->substr(0, text->find('\n')), 100);
+}
+
+Error stopped_on_its_way(const std::string& who) {
+  return fail(Errc::WrongState, "%.100s stopped it", who.c_str()).value();
 }
 
 Result<void> set_aside(const fs::path& folder, const std::string& why) {

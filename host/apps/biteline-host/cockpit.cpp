@@ -37,7 +37,7 @@ Cockpit::Cockpit(CockpitConfig config, memory::Memory memory)
       stops_{config_.stops != nullptr ? *config_.stops : own_stops_},
       cycle_{config_.jobs},
       go_{stops_.now()} {
-  process_ = config_.process;
+  process_.name = config_.process;
   paused_ = cycle_.on_demand();
 }
 
@@ -187,12 +187,22 @@ void Cockpit::show_progress(std::uint64_t profiles, std::uint64_t expected) {
   publish_state();
 }
 
-void Cockpit::show_model(const std::string& name, double probability, const std::string& process) {
+void Cockpit::show_model(const std::string& name, double probability, const ShownProcess& process) {
   {
     const std::lock_guard lock{mutex_};
     model_ = name;
     model_probability_ = probability;
     process_ = process;
+  }
+  publish_state();
+}
+
+void Cockpit::show_next(const ShownProcess& process) {
+  {
+    const std::lock_guard lock{mutex_};
+    if (process_.name == process.name && process_.by == process.by) return;
+    process_ = process;
+    published_ = {};
   }
   publish_state();
 }
@@ -263,7 +273,8 @@ double Cockpit::cycle_s() const {
 }
 
 void Cockpit::hold(const std::string& scan, Wait wait, std::optional<double> fresh_s,
-                   const std::optional<robot::StopMark>& mark) {
+                   const std::optional<robot::StopMark>& mark,
+                   std::optional<report::ToldRefusal> not_sendable, const std::string& version) {
   const std::lock_guard lock{mutex_};
   if (mending_ == scan) mending_.clear();
   if (!scan.empty() && mark.value_or(go_).stopped()) {
@@ -272,6 +283,8 @@ void Cockpit::hold(const std::string& scan, Wait wait, std::optional<double> fre
   }
   held_ = scan;
   wait_ = wait;
+  not_sendable_ = std::move(not_sendable);
+  version_ = version;
   fresh_until_.reset();
   if (fresh_s)
     fresh_until_ =

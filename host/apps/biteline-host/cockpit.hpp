@@ -59,7 +59,8 @@ struct Wish {
     Settings,
     Keep,
     Process,
-    Air
+    Air,
+    Saved  ///< a model was made with the process of SHA-256 `why`
   };
   Kind kind{Kind::Stop};
   std::string scan{}, who{}, why{};
@@ -99,7 +100,14 @@ class Cockpit final : public api::Cell {
   void show(Phase phase, const std::string& now, const std::string& next);
   void show_scan(const std::string& scan);
   void show_progress(std::uint64_t profiles, std::uint64_t expected);
-  void show_model(const std::string& name, double probability, const std::string& process);
+  struct ShownProcess {
+    std::string name{};
+    std::string by{};  ///< whose word it is; empty: nobody's, the model's or the service's own
+  };
+  /// Of the scan that is worked out, or waits.
+  void show_model(const std::string& name, double probability, const ShownProcess& process);
+  /// Between scans: what the next one is worked with.  Without a name: as its model says.
+  void show_next(const ShownProcess& process);
   void hear(const wire::SensorHello& hello);
   void hear(const wire::Health& health);
   void lose_sensor(const std::string& why);
@@ -126,9 +134,11 @@ class Cockpit final : public api::Cell {
   /// accepted, and only one that waits for its model can be given one.
   /// `fresh_s`: for so long the gate lets it through for its age; nothing: it does not at all, or it has no
   /// path.  `mark`: of the start that the scan comes of, nothing: of the last one; where somebody has said
-  /// stop since, it does not wait.
+  /// stop since, it does not wait.  `not_sendable`: why a yes would be refused at the gate, whatever the
+  /// scan's age.
   void hold(const std::string& scan, Wait wait = Wait::Word, std::optional<double> fresh_s = {},
-            const std::optional<robot::StopMark>& mark = {});
+            const std::optional<robot::StopMark>& mark = {},
+            std::optional<report::ToldRefusal> not_sendable = {}, const std::string& version = {});
   /// Somebody mends its line.
   [[nodiscard]] bool mends(const std::string& scan) const;
   /// While it is held no person's word about a scan is taken.  Whoever reads a scan's row and writes it again
@@ -154,6 +164,7 @@ class Cockpit final : public api::Cell {
   [[nodiscard]] Result<void> run_in_air(const std::string& scan, const api::Speaker& who) override;
   [[nodiscard]] Result<void> begin_mend(const std::string& scan) override;
   void end_mend(const std::string& scan, bool mended, const api::Speaker& who) override;
+  void model_saved(const std::string& process_sha256, const std::string& who) override;
   [[nodiscard]] Result<void> change_settings(const std::vector<api::SettingChange>& changes,
                                              const std::string& who) override;
   [[nodiscard]] Result<std::string> keep_recording(bool next, const std::string& who) override;
@@ -179,6 +190,10 @@ class Cockpit final : public api::Cell {
   [[nodiscard]] api::Json state_locked() const;
   /// What waits for a person, and for what; null: nothing.
   [[nodiscard]] api::Json held_json_locked() const;
+  /// Its files are not what the service wrote and planned of.
+  [[nodiscard]] Result<void> look_at_files(const std::string& scan) const;
+  /// Why a yes to what is held would come to nothing now; nothing: the gate decides.
+  [[nodiscard]] std::optional<report::ToldRefusal> not_sendable_locked() const;
   void wish(Wish wish);
   void wish_locked(Wish wish);
   /// Arm, scan, what waits and what was said end here; the service's thread tells the sensor.
@@ -225,14 +240,17 @@ class Cockpit final : public api::Cell {
   bool hold_all_{false};   ///< of the job that a person started
   bool hold_kept_{false};  ///< as it stands in the memory
   std::string held_;
-  Wait wait_{Wait::Word};                           ///< of what is held
-  std::optional<Clock::time_point> fresh_until_{};  ///< of what is held
+  Wait wait_{Wait::Word};                              ///< of what is held
+  std::optional<Clock::time_point> fresh_until_{};     ///< of what is held
+  std::string version_{};                              ///< of what is held: of line, cloud, process and path
+  std::optional<report::ToldRefusal> not_sendable_{};  ///< the same
   std::string going_on_;  ///< a scan that was held, until it waits again or its row is the last
   std::string mending_;   ///< a scan whose line is being mended, or whose path is planned anew
   Phase phase_{Phase::Starting};
   std::string now_{"starts"}, next_, scan_;
   std::optional<double> progress_{};
-  std::string model_, process_;
+  std::string model_;
+  ShownProcess process_{};
   double model_probability_{0};
   std::optional<wire::SensorHello> hello_{};
   std::optional<wire::Health> health_{};

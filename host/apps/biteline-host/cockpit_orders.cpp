@@ -4,6 +4,7 @@
 
 #include "host/apps/biteline-host/cockpit.hpp"
 #include "host/apps/biteline-host/steps.hpp"
+#include "host/records/evidence/evidence.hpp"
 
 namespace biteline::service {
 namespace {
@@ -155,7 +156,7 @@ Result<void> Cockpit::decide(const api::Decision& decision) {
   bool held = false;
   bool in_work = false;
   bool ended = false;
-  Wait wait = Wait::Word;
+  std::optional<report::ToldRefusal> why_not;
   const robot::StopMark mark = stops_.at(decision.stops);
   {
     const std::lock_guard lock{mutex_};
@@ -173,7 +174,11 @@ Result<void> Cockpit::decide(const api::Decision& decision) {
                   decision.scan.c_str());
     held = held_ == decision.scan;
     ended = ended_ == decision.scan;
-    wait = wait_;
+    if (held) why_not = not_sendable_locked();
+    if (held && !decision.version.empty() && decision.version != version_)
+      return fail(Errc::WrongState,
+                  "%s is another version by now than the one that was looked at; look again",
+                  decision.scan.c_str());
     in_work = !held && hold_wanted_ == decision.scan;
     if (decision.kind == Hold && !held && scan_ == decision.scan &&
         (phase_ == Phase::Scanning || phase_ == Phase::Working)) {
@@ -194,19 +199,15 @@ Result<void> Cockpit::decide(const api::Decision& decision) {
     scan->verdict = "working";
   }
   const bool sends = decision.kind == Accept || decision.kind == Send;
-  if (sends && held && wait == Wait::Model)
-    return fail(Errc::WrongState, "the model of %s is not known; choose one, or reject it",
-                decision.scan.c_str());
-  if (sends && held && wait == Wait::Mend)
-    return fail(Errc::WrongState,
-                "%s has no checked path; mend its line, choose another process, or reject it",
-                decision.scan.c_str());
   const bool was_stopped = ended || scan->reason_code == report::refusal_row(robot::Refused::Stopped).name;
   if (sends && !held && was_stopped)
     return fail(Errc::WrongState, "%s was stopped and waits no longer; start, then scan the shoe again",
                 decision.scan.c_str());
+  if (sends && why_not)
+    return fail(Errc::WrongState, "%s; %s", why_not->reason.c_str(), why_not->next_step.c_str());
   if (sends && !held)
     return fail(Errc::WrongState, "%s does not wait for a word; scan the shoe again", decision.scan.c_str());
+  if (sends) BITELINE_TRY(look_at_files(decision.scan));
   // It would wait for a word all the same, as nobody tells the result's thread.
   if (decision.kind == Reject && in_work && scan->verdict == "working")
     return fail(Errc::WrongState, "%s is in work; reject it when it waits for a word", decision.scan.c_str());
@@ -240,6 +241,16 @@ Result<void> Cockpit::decide(const api::Decision& decision) {
           .mark = mark});
   }
   tell_scan(decision.scan);
+  return {};
+}
+
+Result<void> Cockpit::look_at_files(const std::string& scan) const {
+  BITELINE_ASSIGN(const std::optional<memory::Evidence> written, memory_.evidence(scan));
+  if (!written) return {};
+  BITELINE_ASSIGN(const std::optional<memory::Scan> row, memory_.scan(scan));
+  BITELINE_ASSIGN(const std::optional<std::string> why,
+                  evidence::why_not(config_.results / scan, *written, row ? row->line_version : 0));
+  if (why) return fail(Errc::WrongState, "%s: %s", scan.c_str(), why->c_str());
   return {};
 }
 
@@ -295,6 +306,10 @@ Result<void> Cockpit::choose_process(const std::string& scan, const std::string&
         .job = {.model = {}, .process = process},
         .mark = mark});
   return {};
+}
+
+void Cockpit::model_saved(const std::string& process_sha256, const std::string& who) {
+  wish({.kind = Wish::Kind::Saved, .scan = {}, .who = who, .why = process_sha256});
 }
 
 Result<void> Cockpit::run_in_air(const std::string& scan, const api::Speaker& who) {

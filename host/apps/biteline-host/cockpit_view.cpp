@@ -6,6 +6,7 @@
 
 #include "host/apps/biteline-host/cockpit.hpp"
 #include "host/doors/control/upkeep.hpp"
+#include "host/robot/link/gate/refused.hpp"
 
 namespace biteline::service {
 namespace {
@@ -59,6 +60,12 @@ Json Cockpit::held_json_locked() const {
       {"scan", held_}, {"waits_for", k_waits.at(static_cast<std::size_t>(wait_))}, {"fresh_s", nullptr}};
   if (fresh_until_)
     held["fresh_s"] = std::max(0.0, std::chrono::duration<double>(*fresh_until_ - Clock::now()).count());
+  const std::optional<report::ToldRefusal> why = not_sendable_locked();
+  held["version"] = api::or_null(version_);
+  held["sendable"] = !why;
+  held["reason_code"] = why ? api::or_null(why->reason_code) : Json{};
+  held["reason"] = why ? Json(why->reason) : Json{};
+  held["next_step"] = why ? Json(why->next_step) : Json{};
   return held;
 }
 
@@ -73,6 +80,23 @@ void Cockpit::show_stopped_locked(Json& state) const {
   state["phase"] = k_phases.at(static_cast<std::size_t>(Phase::Stopped));
   state["now"] = words;
   state["next"] = "start, when the cell is clear";
+}
+
+std::optional<report::ToldRefusal> Cockpit::not_sendable_locked() const {
+  if (wait_ == Wait::Model)
+    return report::ToldRefusal{.reason_code = "model_unknown",
+                               .reason = "the model of " + held_ + " is not known",
+                               .next_step = "choose one, or reject it"};
+  if (wait_ == Wait::Mend)
+    return report::ToldRefusal{.reason_code = {},
+                               .reason = held_ + " has no checked path",
+                               .next_step = "mend its line, choose another process, or reject it"};
+  if (not_sendable_) return not_sendable_;
+  if (!fresh_until_ || Clock::now() < *fresh_until_) return std::nullopt;
+  const auto& row = report::refusal_row(robot::Refused::ScanTooOld);
+  return report::ToldRefusal{.reason_code = row.name,
+                             .reason = held_ + " is too old to be sent: somebody may have moved the shoe",
+                             .next_step = row.next_step};
 }
 
 Json Cockpit::state_locked() const {
@@ -113,7 +137,8 @@ Json Cockpit::state_locked() const {
          cycle_begun_ ? Json(std::chrono::duration<double>(Clock::now() - *cycle_begun_).count()) : Json{}},
         {"last_s", api::or_null(last_cycle_s_)}}},
       {"model", nullptr},
-      {"process", api::or_null(process_)}};
+      {"process", api::or_null(process_.name)},
+      {"process_by", api::or_null(process_.by)}};
   state["held"] = held_json_locked();
   state["day"] = {{"zone", memory::time_zone()}, {"begin", config_.day.begin()}};
   if (stopped_) show_stopped_locked(state);

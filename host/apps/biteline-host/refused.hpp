@@ -10,6 +10,7 @@ enum class Refused {
   ModelUnknown,        ///< no model of the library is sure enough to be worked without a person
   RerunFailed,         ///< a kept scan could not be worked out again
   CalibrationDrifted,  ///< since it was made, as its scans of some shoes show
+  OtherProcess,        ///< a person took another process than the model's own
   LineOffMended,       ///< the line lies off the mended line of its model by more than both are known
 };
 

@@ -49,7 +49,7 @@ Result<Service> Service::create(const Options& options, robot::Stops& stops) {
     robot.emplace();
     robot->options = *options.robot;
     BITELINE_ASSIGN(robot->arm, kinematics::arm_model(options.robot->arm));
-    BITELINE_ASSIGN(robot->process, path::read_process(options.robot->process));
+    BITELINE_ASSIGN(robot->process, take_process(options.robot->process));
   }
   std::optional<Carrier> carrier;
   if (options.sample) {
@@ -86,9 +86,9 @@ Result<Service> Service::create(const Options& options, robot::Stops& stops) {
                      .arm = robot ? robot->arm.name : "",
                      .controller = robot ? robot->options.script : "",
                      .rtde = robot ? robot->options.rtde : "",
-                     .process = robot ? robot->process.name : "",
+                     .process = robot ? robot->process.process.name : "",
                      .rerun_arm = robot ? std::optional{RerunArm{.model = robot->arm,
-                                                                 .process = robot->process,
+                                                                 .process = robot->process.process,
                                                                  .table_z_mm = robot->options.table_z_mm,
                                                                  .fixture = fixture_of(robot->options)}}
                                         : std::nullopt,
@@ -97,27 +97,34 @@ Result<Service> Service::create(const Options& options, robot::Stops& stops) {
                      .day = options.day,
                      .jobs = std::move(jobs),
                      .stops = &stops}));
+  std::optional<Confirm> confirm;
+  if (robot && !robot->options.confirm.empty()) {
+    BITELINE_ASSIGN(confirm, read_confirm(options.out, robot->options.confirm, cockpit->memory()));
+  }
   if (options.doors.guest) {
     BITELINE_ASSIGN(const std::string token, cockpit->accounts().make_guest_token());
     BITELINE_TRY(write_secret(*options.doors.guest, token + "\n"));
   }
-  return Service{options,          std::move(keys),   std::move(robot), std::move(carrier),
-                 std::move(locks), std::move(cockpit)};
+  return Service{options,          std::move(keys),    std::move(robot),  std::move(carrier),
+                 std::move(locks), std::move(cockpit), std::move(confirm)};
 }
 
 Service::Service(Options options, std::optional<wire::HostKeys> keys, std::optional<Robot> robot,
-                 std::optional<Carrier> carrier, Locks locks, std::unique_ptr<Cockpit> cockpit)
+                 std::optional<Carrier> carrier, Locks locks, std::unique_ptr<Cockpit> cockpit,
+                 std::optional<Confirm> confirm)
     : options_{std::move(options)},
       keys_{std::move(keys)},
       robot_{std::move(robot)},
       carrier_{std::move(carrier)},
       locks_{std::move(locks)},
-      cockpit_{std::move(cockpit)} {}
+      cockpit_{std::move(cockpit)},
+      confirm_{std::move(confirm)} {}
 
 Result<ExitStatus> Service::run(const std::atomic<bool>& stop) {
   stop_ = &stop;
   if (const Result<int> rows = take_up_rows(cockpit_->memory(), options_.out); !rows) complain(rows.error());
   if (cockpit_->has_doors()) say_step("doors come in at %s", cockpit_->address().c_str());
+  take_up_order();
   find_unfinished();
   look_for_next_folder();
   while (!stop) {

@@ -11,8 +11,10 @@
 
 #include "common/core/result.hpp"
 #include "host/apps/biteline-host/cockpit.hpp"
+#include "host/apps/biteline-host/confirm.hpp"
 #include "host/apps/biteline-host/options.hpp"
 #include "host/apps/biteline-host/steps.hpp"
+#include "host/apps/biteline-host/taken_process.hpp"
 #include "host/calibration/drift/evidence.hpp"
 #include "host/intake/child_process.hpp"
 #include "host/intake/live_line.hpp"
@@ -45,7 +47,7 @@ class Service {
  private:
   struct Robot {
     kinematics::ArmModel arm;
-    path::Process process;
+    TakenProcess process;
     RobotOptions options;
   };
   /// What a scan is worked with.
@@ -54,7 +56,13 @@ class Service {
     double probability{0};
     std::string unknown{};  ///< why no model is named, where a person is to name it
     std::string process_name;
-    std::optional<path::Process> process{};
+    std::string
+        process_by{};    ///< whose word the process is; empty: nobody's, the model's or the service's own
+    bool taught{false};  ///< that word was about a scan that waited
+    std::string taught_model{};   ///< of that scan; empty: none was known
+    std::string other_process{};  ///< of the model: why a person has to look though nobody asked for it
+    std::optional<TakenProcess> process{};
+    memory::Evidence written{};  ///< what was looked at, as the service wrote it
     std::optional<memory::Places> places{};
     std::optional<release::InForce> release{};  ///< else the cell's own library and processes
   };
@@ -64,12 +72,13 @@ class Service {
     intake::ScanIntake intake;
     std::unique_ptr<intake::LiveLine> line;  ///< none where a sample's line is carried over
     bool recovered{false};                   ///< of a process that ended: nobody knows how old it is
+    std::optional<robot::Word> confirmed{};  ///< a person's at the start, for this one
+    std::string stopped_by{};                ///< who ended it on its way
     int connection{0};                       ///< that it began on
     bool one_connection{false};              ///< it ended on the same
     std::optional<HostClock::time_point> ended{};
     Chosen chosen{};
     robot::StopMark mark{};  ///< of the start that it comes of
-    bool stopped{false};     ///< somebody said stop before its end was in
     bool drifted{false};     ///< the calibration has, as this scan and those before it show
     /// What this scan shows of it, looked at meanwhile; none: not yet, or no more.
     std::future<Result<drift::Evidence>> calibration{};
@@ -90,6 +99,14 @@ class Service {
     SendRequest request;
     Chosen chosen;
   };
+  /// What the next scan is worked with, and whose word that is.  It outlives the service.
+  struct Ordered {
+    api::Job job{};
+    std::string who{};
+    bool taught{false};    ///< said of a scan that waited; it holds for those after it
+    std::string model{};   ///< of that scan
+    std::string sha256{};  ///< of that process
+  };
   /// A scan that waits until a person names its model.
   struct Unnamed {
     Scan scan;
@@ -104,7 +121,8 @@ class Service {
   };
 
   Service(Options options, std::optional<wire::HostKeys> keys, std::optional<Robot> robot,
-          std::optional<Carrier> carrier, Locks locks, std::unique_ptr<Cockpit> cockpit);
+          std::optional<Carrier> carrier, Locks locks, std::unique_ptr<Cockpit> cockpit,
+          std::optional<Confirm> confirm);
 
   /// What the sensor has to say; connects (and goes on with `scan_`, if there is one) where there is no link.
   [[nodiscard]] Result<void> hear_sensor();
@@ -148,7 +166,7 @@ class Service {
   [[nodiscard]] Result<ExitStatus> work_out(Scan scan);
   [[nodiscard]] Result<ExitStatus> work_out_files(Scan& scan);
   /// The row of what was worked out, and room for the next.
-  void close_result(const std::filesystem::path& folder, const Chosen& chosen);
+  void close_result(const std::filesystem::path& folder, Chosen chosen);
   [[nodiscard]] KnownBefore known_before() const;
   void keep_arm(const Scan& scan, const LineStep& step) const;
   [[nodiscard]] Result<LineStep> work_out_line(Scan& scan, intake::ScanOutcome& outcome);
@@ -160,8 +178,28 @@ class Service {
   void check_own_calibration(Scan& scan, const intake::ScanOutcome& outcome);
   /// The same with the library: whose line it is, and the process of that model.
   [[nodiscard]] Result<LineStep> use_library(Scan& scan, const intake::ScanOutcome& outcome, LineStep found);
-  [[nodiscard]] const path::Process& process_of(const Chosen& chosen) const;
+  [[nodiscard]] const TakenProcess& taken_of(const Chosen& chosen) const;
+  [[nodiscard]] const path::Process& process_of(const Chosen& chosen) const {
+    return taken_of(chosen).process;
+  }
   [[nodiscard]] Result<void> choose_process(Chosen& chosen) const;
+  /// A model that was recognised has a process of its own, and a person has taken another one for the shoe
+  /// before: neither is used unseen.
+  void look_at_other_process(Chosen& chosen) const;
+  /// What the next scan is worked with, and kept for a service after this one.
+  void order(Ordered ordered);
+  void order_by(const Wish& start);
+  /// A person has taken this process for a scan that waits: the scans after it have it, too.
+  void order_taught(const std::string& process, const Chosen& chosen);
+  /// It stands in a model now, which will be recognised.
+  void order_is_saved(const Wish& saved);
+  /// As the service before this one left it; what no process answers for any more is told when it is used.
+  void take_up_order();
+  [[nodiscard]] Ordered ordered() const;
+  /// Between scans doors are told what the next shoe is worked with.
+  void show_next_process();
+  /// The process beside the scan's result, as it was read: a model made of the scan takes it.
+  [[nodiscard]] Result<void> keep_process(const std::filesystem::path& folder, const Chosen& chosen) const;
   /// Read once for a scan: a switch while it is worked is for the next one.
   [[nodiscard]] Result<void> choose_release(Chosen& chosen) const;
   [[nodiscard]] api::Stock stock_for(const Chosen& chosen) const;
@@ -174,24 +212,31 @@ class Service {
                                                  LineStep& line, bool held = false);
   /// With the line as it stands in the folder, mended or not, and the request's process.
   [[nodiscard]] Result<ExitStatus> plan_anew(Held& held);
+  /// The files are what the service, or a mend, wrote; Errc::WrongState names the one that is not.
+  [[nodiscard]] Result<void> look_at_files(Held& held);
   /// Plans what waits anew, with the line that a person has mended, and lets it wait again.
   [[nodiscard]] Result<ExitStatus> plan_mended(Held held);
   /// Goes on with a scan whose model a person has named; it waits again where that model cannot be read.
   [[nodiscard]] Result<ExitStatus> work_named(Unnamed unnamed, const std::string& model);
   /// What is taught (service_teach.cpp): plans what waits anew with another process.
-  [[nodiscard]] Result<ExitStatus> plan_with(Held held, const std::string& process);
+  [[nodiscard]] Result<ExitStatus> plan_with(Held held, const std::string& process, const std::string& who);
   /// The same of a scan whose model nobody knows: it goes on without one.
-  [[nodiscard]] Result<ExitStatus> work_with(Unnamed unnamed, const std::string& process);
+  [[nodiscard]] Result<ExitStatus> work_with(Unnamed unnamed, const std::string& process,
+                                             const std::string& who);
   /// The arm runs what waits in the air; its outcome stands in the scan's folder `air`.
   [[nodiscard]] Result<ExitStatus> run_in_air(Held held, const robot::Word& word);
   /// Something waits for a person.
   [[nodiscard]] bool waits() const { return held_ || unnamed_; }
   /// Sends what waited, with a person's word.
   [[nodiscard]] Result<ExitStatus> send_held(Held held, const robot::Word& word);
-  /// The scan's row, of its folder; a memory that cannot take it is told, and costs no scan.  `stopped`: it
-  /// waited, and a stop has ended that.
+  /// What a scan's row says beside its report.
+  struct After {
+    bool stopped{false};   ///< it waited, and a stop has ended that
+    std::string failed{};  ///< why nothing came of a person's word
+  };
+  /// The scan's row, of its folder; a memory that cannot take it is told, and costs no scan.
   void remember(const std::filesystem::path& folder, const std::string& decision, const Chosen& chosen,
-                bool stopped = false);
+                const After& after);
   /// The scan is done with: its messages stay or go.
   void end_recording(intake::ScanIntake& intake, ExitStatus status);
   [[nodiscard]] robot::ScanFacts facts_of(const Scan& scan, const intake::ScanOutcome& outcome) const;
@@ -201,7 +246,13 @@ class Service {
   [[nodiscard]] int connection() const;
   /// Its end is in, and the sensor has said how its light ended.
   [[nodiscard]] static bool ready(const Scan& scan);
+  /// The word of the start is for this folder; whether for this scan its number tells.
   [[nodiscard]] bool confirmed(const std::filesystem::path& folder) const;
+  /// It is a person's word no more, whatever comes of it; nothing: it was none for this scan.
+  [[nodiscard]] std::optional<robot::Word> take_word(const std::filesystem::path& folder,
+                                                     std::uint64_t scan_id);
+  /// Set aside, with its row before the next scan begins.
+  [[nodiscard]] Result<void> set_scan_aside(const std::filesystem::path& folder, const std::string& why);
 
   Options options_;
   const std::atomic<bool>* stop_{nullptr};  ///< of run()
@@ -210,6 +261,7 @@ class Service {
   std::optional<Carrier> carrier_;
   Locks locks_;
   std::unique_ptr<Cockpit> cockpit_;
+  std::optional<Confirm> confirm_;                ///< until it is used up
   std::deque<std::filesystem::path> unfinished_;  ///< folders, still to be taken up
   std::unique_ptr<intake::SensorLink> link_;
   std::optional<Scan> scan_;  ///< coming in
@@ -228,8 +280,9 @@ class Service {
   bool robot_wrong_{false};
   bool robot_moves_{false};  ///< and that is all that is wrong: it will stand
   std::unique_ptr<std::mutex> job_mutex_{std::make_unique<std::mutex>()};
-  api::Job job_;              ///< chosen at a door; read by the result's thread
-  bool sensor_heard_{false};  ///< on this connection
+  Ordered ordered_;                     ///< chosen at a door; read by the result's thread
+  HostClock::time_point next_shown_{};  ///< what the next shoe is worked with; the same mutex
+  bool sensor_heard_{false};            ///< on this connection
   std::future<std::filesystem::path> next_folder_;
   std::future<Result<ExitStatus>> result_;  ///< being worked out; last: its thread uses the rest
 };

@@ -4,8 +4,10 @@
 
 #include <utility>
 
+#include "host/apps/biteline-host/attempt.hpp"
 #include "host/apps/biteline-host/service.hpp"
 #include "host/apps/biteline-host/service_words.hpp"
+#include "host/records/digest/digest.hpp"
 
 namespace biteline::service {
 namespace {
@@ -15,11 +17,19 @@ using std::chrono::milliseconds;
 /// A robot that is not ready, or a page that ended, is looked at again.
 constexpr Nanoseconds k_between_looks = milliseconds{2000};
 
+/// Of what a page shows of a scan that waits: a yes to another one is none.
+std::string version_of(const std::filesystem::path& folder, const memory::Evidence& written) {
+  Digest version;
+  version.add_text(written.line).add_text(written.cloud).add_text(written.process);
+  return version.add_text(digest_of_file(folder / "path/path.csv").value_or("")).hex().substr(0, 16);
+}
+
 }  // namespace
 
 void Service::show_idle() {
   // While a result is worked out, what is held belongs to its thread.
   if (result_.valid()) return;
+  if (!waits()) show_next_process();
   if (waits() && !told_held_) {
     tell_held();
     cockpit_->tell_scan((held_ ? held_->folder : unnamed_->scan.folder).filename().string());
@@ -54,13 +64,16 @@ void Service::tell_held() {
   if (held_) {
     const std::optional<HostClock::time_point> ended = held_->request.scan_ended;
     std::optional<double> fresh_s;
-    if (ended && held_->plan.outcome.path) {
+    std::optional<report::ToldRefusal> why_not;
+    if (held_->plan.outcome.path) why_not = why_not_sendable(held_->folder, held_->plan, held_->request);
+    // Who vouches for a scan vouches for its age.
+    if (ended && held_->plan.outcome.path && !held_->request.scan.confirmed) {
       const double age_s = 1e-9 * static_cast<double>((now() - *ended).count());
       fresh_s = held_->plan.request.process.gate.scan_age_s - age_s;
     }
     cockpit_->hold(held_->folder.filename().string(),
                    held_->plan.outcome.path ? Cockpit::Wait::Word : Cockpit::Wait::Mend, fresh_s,
-                   held_->request.mark);
+                   held_->request.mark, why_not, version_of(held_->folder, held_->chosen.written));
   } else {
     cockpit_->hold(unnamed_->scan.folder.filename().string(), Cockpit::Wait::Model, {}, unnamed_->scan.mark);
   }
@@ -122,7 +135,7 @@ void Service::end_what_was_stopped() {
     const std::filesystem::path folder = held ? held->folder : unnamed->scan.folder;
     say_step("%s waits no longer: it was stopped", folder.filename().c_str());
     end_recording(held ? held->intake : unnamed->scan.intake, ExitStatus::Refused);
-    remember(folder, "open", held ? held->chosen : unnamed->scan.chosen, true);
+    remember(folder, "open", held ? held->chosen : unnamed->scan.chosen, {.stopped = true});
     return Result<ExitStatus>{ExitStatus::Refused};
   });
 }
@@ -151,6 +164,12 @@ void Service::heed(const Wish& wish) {
       say_step("%s by %s", wish.kind == Wish::Kind::Stop ? "stopped" : "laser off", wish.who.c_str());
       // A scan of a start that came after it goes on.
       if ((scan_ && !scan_->mark.stopped()) || (asked_ && !asked_->mark.stopped())) return;
+      if (scan_ && !scan_->ended && scan_->stopped_by.empty()) {
+        // What there is of it is no shoe to be judged, also for a service after this one.
+        scan_->stopped_by = wish.who;
+        if (const Result<void> marked = mark_stopped(scan_->folder, wish.who); !marked)
+          complain(marked.error());
+      }
       if (link_) {
         link_->command(
             {.id = k_stop_id,
@@ -160,10 +179,7 @@ void Service::heed(const Wish& wish) {
     case Wish::Kind::Start:
     case Wish::Kind::Rescan:
       say_step("%s by %s", wish.kind == Wish::Kind::Start ? "started" : "scanned again", wish.who.c_str());
-      if (wish.kind == Wish::Kind::Start) {
-        const std::lock_guard lock{*job_mutex_};
-        job_ = wish.job;
-      }
+      if (wish.kind == Wish::Kind::Start) order_by(wish);
       // What a stop cut short is over; an idle sensor is asked.
       if (link_ && !scan_ && !result_.valid()) sensor_idle_ = true;
       return;
@@ -212,19 +228,20 @@ void Service::heed(const Wish& wish) {
                              });
     case Wish::Kind::Process:
       if (!unnamed_) {
-        return go_on_with_held(wish, "gets another process", [this, process = wish.job.process](Held held) {
-          return plan_with(std::move(held), process);
-        });
+        return go_on_with_held(wish, "gets another process",
+                               [this, process = wish.job.process, who = wish.who](Held held) {
+                                 return plan_with(std::move(held), process, who);
+                               });
       }
       if (result_.valid() || unnamed_->scan.mark.stopped() || unnamed_->scan.folder.filename() != wish.scan)
         return;
       say_step("%s goes on with %s by %s", wish.scan.c_str(), wish.job.process.c_str(), wish.who.c_str());
       told_held_ = false;
-      result_ = std::async(std::launch::async,
-                           [this, unnamed = std::move(*unnamed_), process = wish.job.process]() mutable {
-                             pthread_setname_np(pthread_self(), "bl-result");
-                             return work_with(std::move(unnamed), process);
-                           });
+      result_ = std::async(std::launch::async, [this, unnamed = std::move(*unnamed_),
+                                                process = wish.job.process, who = wish.who]() mutable {
+        pthread_setname_np(pthread_self(), "bl-result");
+        return work_with(std::move(unnamed), process, who);
+      });
       unnamed_.reset();
       return;
     case Wish::Kind::Settings:
@@ -239,6 +256,8 @@ void Service::heed(const Wish& wish) {
       say_step("a recording is asked for by %s", wish.who.c_str());
       link_->command({.id = wish.question, .command = wish.command});
       return;
+    case Wish::Kind::Saved:
+      return order_is_saved(wish);
     case Wish::Kind::Hold:
       return;
   }

@@ -6,16 +6,23 @@
 #include "host/apps/biteline-host/scan_row.hpp"
 #include "host/apps/biteline-host/service.hpp"
 #include "host/apps/biteline-host/service_words.hpp"
+#include "host/records/evidence/evidence.hpp"
 
 namespace biteline::service {
 namespace {
 
 namespace fs = std::filesystem;
 
+/// Of what was looked at; nothing: all is as the service wrote it, or nobody knows.
+std::optional<std::string> changed_files(const fs::path& folder, const memory::Evidence& written) {
+  const Result<memory::Evidence> now = evidence::of_folder(folder);
+  return now ? evidence::change(written, *now) : std::nullopt;
+}
+
 }  // namespace
 
 void Service::remember(const fs::path& folder, const std::string& decision, const Chosen& chosen,
-                       bool stopped) {
+                       const After& after) {
   std::optional<memory::Scan> row = row_of(folder);
   if (!row) {
     // No report: a device or the disk failed, not the scan.
@@ -26,6 +33,19 @@ void Service::remember(const fs::path& folder, const std::string& decision, cons
   }
   std::unique_lock words = cockpit_->between_words();
   const Result<std::optional<memory::Scan>> before = cockpit_->memory().scan(row->name);
+  const bool known = before && *before;
+  if (const std::optional<std::string> changed = known ? changed_files(folder, chosen.written) : std::nullopt;
+      changed && !row->sent) {
+    // What another program wrote is believed in nothing.
+    row->verdict = "refused";
+    row->length_mm = (*before)->length_mm;
+    row->confidence = (*before)->confidence;
+    row->u95_mm = (*before)->u95_mm;
+    const auto& told = report::refusal_row(robot::Refused::FilesChanged);
+    row->reason_code = told.name;
+    row->reason = *changed;
+    row->next_step = told.next_step;
+  }
   row->decision = decision;
   bool still_held = decision == "held";
   if (before && *before) {
@@ -38,13 +58,13 @@ void Service::remember(const fs::path& folder, const std::string& decision, cons
       still_held = false;
     }
     // A yes that the stop came after.
-    if (stopped && (*before)->decision == "accepted") row->decision = "accepted";
+    if (after.stopped && (*before)->decision == "accepted") row->decision = "accepted";
   }
   // Nothing was approved where nothing was sent.
   if (decision == "automatic" && !row->sent) row->decision = "open";
   if (row->decision == "automatic") row->decided_by = "automatic";
   if (const double cycle_s = cockpit_->cycle_s(); cycle_s > 0) row->cycle_s = cycle_s;
-  row->process = chosen.process_name.empty() && robot_ ? robot_->process.name : chosen.process_name;
+  row->process = chosen.process_name;
   row->model = chosen.model;
   if (chosen.probability > 0) row->model_probability = chosen.probability;
   if (const std::optional<accounts::Holder> holder = cockpit_->accounts().holder())
@@ -56,12 +76,23 @@ void Service::remember(const fs::path& folder, const std::string& decision, cons
     row->reason = told.reason;
     row->next_step = "choose its model, or reject it";
   }
-  if (stopped) {
+  if (after.stopped) {
     const report::ToldRefusal told = report::told(report::Refusal<robot::Refused>{
         .code = robot::Refused::Stopped, .reason = "stopped while it waited for a person"});
     row->reason_code = told.reason_code;
     row->reason = told.reason;
     row->next_step = told.next_step;
+  } else if (still_held && chosen.unknown.empty() && !chosen.other_process.empty() &&
+             row->reason_code.empty()) {
+    const report::ToldRefusal told =
+        report::told(Refusal{.code = Refused::OtherProcess, .reason = chosen.other_process});
+    row->reason_code = told.reason_code;
+    row->reason = told.reason;
+    row->next_step = told.next_step;
+  }
+  if (!after.failed.empty()) {
+    row->reason = "not sent: " + after.failed;
+    row->next_step = "mend what the reason names, then accept it again";
   }
   row->versions.assign(R"({"program":")").append(BITELINE_VERSION);
   if (chosen.release) row->versions.append(R"(","release":")").append(chosen.release->hash);
@@ -77,6 +108,10 @@ void Service::remember(const fs::path& folder, const std::string& decision, cons
                                                         .after = row->verdict},
                                                        chosen.places);
   if (!put) complain(put.error());
+  if (put && chosen.written != memory::Evidence{}) {
+    if (const Result<void> kept = cockpit_->memory().put_evidence(row->name, chosen.written); !kept)
+      complain(kept.error());
+  }
   if (still_held) tell_held();
   words.unlock();
   if (!still_held) cockpit_->end_cycle(*row);

@@ -13,6 +13,7 @@
 #include "host/apps/biteline-host/service.hpp"
 #include "host/apps/biteline-host/service_words.hpp"
 #include "host/doors/api/air.hpp"
+#include "host/records/evidence/evidence.hpp"
 #include "host/records/mounted/mounted_record.hpp"
 #include "host/records/results/plan_result.hpp"
 #include "host/transfer/library.hpp"
@@ -37,7 +38,15 @@ Result<ExitStatus> Service::work_out(Scan scan) {
   return status;
 }
 
-void Service::close_result(const fs::path& folder, const Chosen& chosen) {
+void Service::close_result(const fs::path& folder, Chosen chosen) {
+  // From here on nobody but a mend writes them.
+  if (const Result<memory::Evidence> now = evidence::of_folder(folder)) {
+    if (chosen.written == memory::Evidence{}) chosen.written = *now;
+    chosen.written.report = now->report;
+    if (held_) held_->chosen.written = held_->request.written = chosen.written;
+  } else {
+    complain(now.error());
+  }
   std::string decision = "open";
   if (waits()) {
     decision = "held";
@@ -105,12 +114,13 @@ api::Stock Service::stock_for(const Chosen& chosen) const {
 
 Result<LineStep> Service::work_out_line(Scan& scan, intake::ScanOutcome& outcome) {
   outcome = scan.intake.finish();
-  outcome.stopped = scan.stopped;
-  if (scan.stopped && !outcome.failure) outcome.failure = fail(Errc::Refused, "a person said stop").value();
+  if (!scan.stopped_by.empty()) outcome.failure = stopped_on_its_way(scan.stopped_by);
+  outcome.stopped_by = scan.stopped_by;
   BITELINE_TRY(choose_release(scan.chosen));
   const KnownBefore known = known_before();
   if (carrier_) {
     scan.chosen.model = carrier_->name;
+    if (robot_) scan.chosen.process_name = robot_->process.process.name;
     BITELINE_ASSIGN(LineStep carried, carry_line(scan.folder, *carrier_, outcome, known, {}));
     keep_arm(scan, carried);
     return carried;
@@ -170,14 +180,18 @@ void Service::check_own_calibration(Scan& scan, const intake::ScanOutcome& outco
 
 Result<LineStep> Service::use_library(Scan& scan, const intake::ScanOutcome& outcome, LineStep found) {
   Chosen& chosen = scan.chosen;
-  {
-    const std::lock_guard lock{*job_mutex_};
-    chosen.model = job_.model;
-    chosen.process_name = job_.process;
+  const Ordered now = ordered();
+  chosen.model = now.job.model;
+  chosen.process_name = now.job.process;
+  if (!chosen.process_name.empty()) {
+    chosen.process_by = now.who;
+    chosen.taught = now.taught;
+    chosen.taught_model = now.model;
   }
   const transfer::Library library = stock_for(chosen).models;
   if (outcome.failure || found.too_little_seen || (!options_.models && chosen.model.empty())) {
     BITELINE_TRY(choose_process(chosen));
+    cockpit_->show_model(chosen.model, chosen.probability, {chosen.process_name, chosen.process_by});
     return found;
   }
   chosen.probability = 1;
@@ -185,7 +199,7 @@ Result<LineStep> Service::use_library(Scan& scan, const intake::ScanOutcome& out
   if (chosen.model.empty()) {
     BITELINE_ASSIGN(Recognised model, recognise(library, outcome.cloud));
     say_step("%s", model.words.c_str());
-    cockpit_->show_model(model.name, model.probability, chosen.process_name);
+    cockpit_->show_model(model.name, model.probability, {chosen.process_name, chosen.process_by});
     // Without a line and without a model that is near, nobody could go on.
     const bool somebody_may = cockpit_->has_doors() && (found.line || !model.name.empty());
     if (!model.sure() && somebody_may) {
@@ -203,7 +217,9 @@ Result<LineStep> Service::use_library(Scan& scan, const intake::ScanOutcome& out
   }
   BITELINE_ASSIGN(transfer::SampleFiles sample, library.load(chosen.model));
   BITELINE_TRY(choose_process(chosen));
-  cockpit_->show_model(chosen.model, chosen.probability, chosen.process_name);
+  // A model that was asked for together with a process is a person's word for both.
+  if (now.job.model.empty()) look_at_other_process(chosen);
+  cockpit_->show_model(chosen.model, chosen.probability, {chosen.process_name, chosen.process_by});
   if (found.line) {
     BITELINE_ASSIGN(
         found, heed_mended_model(
@@ -233,15 +249,15 @@ Result<void> Service::choose_process(Chosen& chosen) const {
     if (const auto stored = processes.find(robot_->options.process.stem().string())) file = stored->file;
   }
   if (file.empty()) {
-    chosen.process_name = robot_->process.name;
+    chosen.process_name = robot_->process.process.name;
     return {};
   }
-  BITELINE_ASSIGN(chosen.process, path::read_process(file));
-  chosen.process_name = chosen.process->name;
+  BITELINE_ASSIGN(chosen.process, take_process(file));
+  chosen.process_name = chosen.process->process.name;
   return {};
 }
 
-const path::Process& Service::process_of(const Chosen& chosen) const {
+const TakenProcess& Service::taken_of(const Chosen& chosen) const {
   return chosen.process ? *chosen.process : robot_->process;
 }
 
@@ -268,6 +284,10 @@ Result<ExitStatus> Service::work_out_path(Scan& scan, const intake::ScanOutcome&
                  robot_->options.send ? "the arm follows it" : "the next scan");
   // Who stops has to know before the arm sets out; who warns does not keep it waiting.
   if (options_.stop_on_drift) look_at_own_calibration(scan, outcome);
+  BITELINE_TRY(keep_process(scan.folder, scan.chosen));
+  BITELINE_ASSIGN(scan.chosen.written, evidence::of_folder(scan.folder));
+  scan.chosen.written.process = taken_of(scan.chosen).sha256;
+  scan.chosen.written.report.clear();  // it is not the last one yet
   BITELINE_ASSIGN(PlanStep plan, plan_path(scan.folder / "path", request, outcome, *line.line));
   const bool wanted = plan.outcome.path && robot_->options.send;
   const robot::ScanFacts facts = facts_of(scan, outcome);
@@ -280,14 +300,18 @@ Result<ExitStatus> Service::work_out_path(Scan& scan, const intake::ScanOutcome&
                    .scan_ended = scan.recovered ? std::nullopt : scan.ended,
                    .mounted = taught,
                    .mark = scan.mark,
-                   .claim = locks_.claim.get()};
+                   .claim = locks_.claim.get(),
+                   .looked_at = scan.folder,
+                   .written = scan.chosen.written,
+                   .process_file = taken_of(scan.chosen).file};
   if (options_.stop_on_drift) check_own_calibration(scan, outcome);
   const bool drift_stops = scan.drifted && options_.stop_on_drift;
-  const bool hold = cockpit_->wants_hold(name);
+  const bool hold = cockpit_->wants_hold(name) || !scan.chosen.other_process.empty();
   const bool asks = needs_a_person(process_of(scan.chosen).gate, line.confidence) || hold || drift_stops;
   const bool waits_for_person = wanted && asks && !facts.confirmed && cockpit_->has_doors();
   if (waits_for_person || (held && robot_->options.send)) {
-    say_step("%s is held: a person must accept it", name.c_str());
+    say_step("%s is held: a person must accept it%s%s", name.c_str(),
+             scan.chosen.other_process.empty() ? "" : ": ", scan.chosen.other_process.c_str());
     held_.emplace(Held{.folder = scan.folder,
                        .intake = std::move(scan.intake),
                        .plan = std::move(plan),
@@ -321,6 +345,27 @@ Result<ExitStatus> Service::work_out_path(Scan& scan, const intake::ScanOutcome&
   return follow_path(scan.folder, plan, send, [&] { return line.pages.write(outcome.cloud); });
 }
 
+Result<void> Service::look_at_files(Held& held) {
+  const std::string name = held.folder.filename().string();
+  // The newest, also of a mend in the page.
+  BITELINE_ASSIGN(const std::optional<memory::Evidence> kept, cockpit_->memory().evidence(name));
+  BITELINE_ASSIGN(const std::optional<memory::Scan> row, cockpit_->memory().scan(name));
+  memory::Evidence written = kept.value_or(held.chosen.written);
+  written.process = taken_of(held.chosen).sha256;
+  BITELINE_ASSIGN(const memory::Evidence now, evidence::of_folder(held.folder));
+  const int known = row ? row->line_version : 0;
+  if (const auto mended = evidence::mended_since(held.folder, written, now, known)) {
+    say_step("%s: takes over %s", name.c_str(), mended->c_str());
+    written.line = now.line;
+    written.report = now.report;
+  } else if (const auto changed = evidence::change(written, now)) {
+    return fail(Errc::WrongState, "%s: %s", name.c_str(), changed->c_str());
+  }
+  held.chosen.written = held.request.written = written;
+  held.request.process_file = taken_of(held.chosen).file;
+  return {};
+}
+
 Result<ExitStatus> Service::plan_anew(Held& held) {
   // From here on the old path is none: its folder is written anew.
   held.plan.outcome = {};
@@ -329,6 +374,7 @@ Result<ExitStatus> Service::plan_anew(Held& held) {
   fs::remove_all(held.folder / api::k_air_folder, error);
   if (error) return fail_errno(Errc::WriteFailed, error.value(), "%.200s", held.folder.c_str());
   BITELINE_TRY(results::prepare_plan_folder(held.folder / "path"));
+  BITELINE_TRY(look_at_files(held));
   const std::optional<memory::Scan> row = row_of(held.folder);
   if (!row || row->verdict == "refused") return ExitStatus::Refused;
   held.request.confidence = row->confidence.value_or(0);
@@ -358,6 +404,9 @@ Result<ExitStatus> Service::work_named(Unnamed unnamed, const std::string& model
   chosen.model = model;
   // A job's process stays the job's, as where the model is recognised.
   chosen.process_name = scan.chosen.process_name;
+  chosen.process_by = scan.chosen.process_by;
+  chosen.taught = scan.chosen.taught;
+  chosen.taught_model = scan.chosen.taught_model;
   // Of the release that it was looked for in.
   chosen.release = scan.chosen.release;
   Result<transfer::SampleFiles> sample = stock_for(chosen).models.load(model);
@@ -367,8 +416,9 @@ Result<ExitStatus> Service::work_named(Unnamed unnamed, const std::string& model
     unnamed_.emplace(std::move(unnamed));
     return tl::unexpected<Error>{std::move(error)};
   }
+  look_at_other_process(chosen);
   scan.chosen = chosen;
-  cockpit_->show_model(chosen.model, 1, chosen.process_name);
+  cockpit_->show_model(chosen.model, 1, {chosen.process_name, chosen.process_by});
   const Result<ExitStatus> status = without_exceptions([&]() -> Result<ExitStatus> {
     LineStep line = std::move(unnamed.line);
     if (!line.line) {
@@ -401,6 +451,14 @@ Result<ExitStatus> Service::send_held(Held held, const robot::Word& word) {
     BITELINE_ASSIGN(held.request.mounted, mounted());
     return follow_path(held.folder, held.plan, held.request);
   });
+  if (!was_sent(held.folder)) {
+    // A yes that came to nothing starts nothing else: neither light nor the next scan.
+    const std::string failed = status ? std::string{} : to_line(status.error());
+    say_step("%s is held: nothing was sent", held.folder.filename().c_str());
+    held_.emplace(std::move(held));
+    remember(held_->folder, "held", held_->chosen, {.failed = failed});
+    return status;
+  }
   end_recording(held.intake, ExitStatus::Done);
   remember(held.folder, "accepted", held.chosen);
   return status;
@@ -420,7 +478,7 @@ robot::ScanFacts Service::facts_of(const Scan& scan, const intake::ScanOutcome& 
       .messages_lost = outcome.messages_lost,
       .lost = {
           .frames = outcome.lost.frames, .profiles = outcome.lost.profiles, .edges = outcome.lost.edges}};
-  if (confirmed(scan.folder)) facts.confirmed = robot::Word{.by = user_name(), .at = utc_now()};
+  facts.confirmed = scan.confirmed;
   return facts;
 }
 

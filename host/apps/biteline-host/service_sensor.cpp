@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "host/apps/biteline-host/attempt.hpp"
+#include "host/apps/biteline-host/scan_row.hpp"
 #include "host/apps/biteline-host/service.hpp"
 #include "host/apps/biteline-host/service_words.hpp"
 #include "host/records/report/report.hpp"
@@ -22,6 +23,8 @@ constexpr Nanoseconds k_turn = milliseconds{100};
 constexpr Nanoseconds k_wait = milliseconds{5};
 /// A sensor tells its state a few times a second: so long the last word about the light is waited for.
 constexpr Nanoseconds k_last_health = milliseconds{1000};
+/// Who said stop where its word has not been worked off yet.
+constexpr const char* k_somebody = "a person";
 
 }  // namespace
 
@@ -93,7 +96,7 @@ Result<void> Service::on_event(const intake::LinkEvent& event) {
   cockpit_->show_progress(scan_->intake.profiles(), scan_->intake.profiles_expected());
   if (scan_->intake.ended() && !scan_->ended) {
     scan_->ended = now();
-    scan_->stopped = scan_->mark.stopped();
+    if (scan_->stopped_by.empty() && scan_->mark.stopped()) scan_->stopped_by = k_somebody;
     scan_->one_connection = !scan_->recovered && scan_->connection == connection();
   }
   link_->acknowledge();
@@ -111,7 +114,7 @@ Result<void> Service::on_hello(const intake::Hello& hello) {
     // What there is of it is kept and told; it is not a result.
     say_step("the sensor no longer has the rest of %s", scan_->folder.filename().c_str());
     Scan cut_off = std::move(*scan_);
-    cut_off.stopped = cut_off.mark.stopped();
+    if (cut_off.stopped_by.empty() && cut_off.mark.stopped()) cut_off.stopped_by = k_somebody;
     scan_.reset();
     BITELINE_TRY(work_out(std::move(cut_off)));
   }
@@ -161,22 +164,47 @@ void Service::find_unfinished() {
 
 Result<void> Service::take_up(const fs::path& folder) {
   if (was_attempted(folder) && !confirmed(folder))
-    return set_aside(folder, "an earlier run of this service died while it worked it out");
+    return set_scan_aside(folder, "an earlier run of this service died while it worked it out");
   BITELINE_TRY(mark_attempt(folder));
   Result<intake::ScanIntake> intake = intake::ScanIntake::recover(folder);
   clear_attempt(folder);
-  if (!intake) return tl::unexpected<Error>{intake.error()};
+  if (!intake) {
+    // Another program has it open, or the disk fails: it is looked at again.
+    const Errc code = intake.error().code;
+    if (code == Errc::PeerRefused || code == Errc::DiskFull || code == Errc::WriteFailed)
+      return tl::unexpected<Error>{intake.error()};
+    return set_scan_aside(folder, to_line(intake.error()));
+  }
+  const std::optional<robot::Word> word = take_word(folder, intake->scan_id());
   say_step("found %s unfinished, with %llu profiles", folder.filename().c_str(),
            static_cast<unsigned long long>(intake->profiles()));
   hold_scan(folder, std::move(*intake));
   scan_->recovered = true;
+  scan_->confirmed = word;
+  scan_->stopped_by = stopped_by(folder);
   // A connection made before would go on with another scan; the next one asks for the rest of this.
   if (!scan_->intake.ended()) link_.reset();
   return {};
 }
 
+Result<void> Service::set_scan_aside(const fs::path& folder, const std::string& why) {
+  BITELINE_TRY(set_aside(folder, why));
+  BITELINE_TRY(take_up_rows(cockpit_->memory(), options_.out));
+  cockpit_->tell_scan(folder.filename().string());
+  return {};
+}
+
 bool Service::confirmed(const fs::path& folder) const {
-  return robot_ && !robot_->options.confirm.empty() && folder.filename() == robot_->options.confirm;
+  return confirm_ && folder.filename() == confirm_->name;
+}
+
+std::optional<robot::Word> Service::take_word(const fs::path& folder, std::uint64_t scan_id) {
+  if (!confirmed(folder) || scan_id != confirm_->scan_id) return std::nullopt;
+  const Result<robot::Word> word = use_up(*confirm_, cockpit_->memory());
+  confirm_.reset();
+  if (word) return *word;
+  complain(word.error());
+  return std::nullopt;
 }
 
 fs::path Service::next_folder() const {

@@ -8,7 +8,7 @@
 
 namespace biteline::service {
 
-Result<ExitStatus> Service::plan_with(Held held, const std::string& process) {
+Result<ExitStatus> Service::plan_with(Held held, const std::string& process, const std::string& who) {
   const std::string name = held.folder.filename().string();
   cockpit_->show(Phase::Working, "plans the path of " + name + " with " + process, "a person decides");
   const Result<ExitStatus> status = without_exceptions([&]() -> Result<ExitStatus> {
@@ -17,25 +17,34 @@ Result<ExitStatus> Service::plan_with(Held held, const std::string& process) {
     Chosen chosen = held.chosen;
     chosen.process.reset();
     chosen.process_name = process;
+    chosen.process_by = who;
+    chosen.taught = true;
+    chosen.other_process.clear();
     BITELINE_TRY(choose_process(chosen));
     held.chosen = std::move(chosen);
+    // Where this shoe grows too old the next scan of it is worked so, too.
+    order_taught(process, held.chosen);
+    BITELINE_TRY(keep_process(held.folder, held.chosen));
     held.plan.request.process = process_of(held.chosen);
     return plan_anew(held);
   });
   // Also without a path: another process may have one.
   held_.emplace(std::move(held));
-  cockpit_->show_model(held_->chosen.model, held_->chosen.probability, held_->chosen.process_name);
+  cockpit_->show_model(held_->chosen.model, held_->chosen.probability,
+                       {held_->chosen.process_name, held_->chosen.process_by});
   remember(held_->folder, "held", held_->chosen);
   return status;
 }
 
-Result<ExitStatus> Service::work_with(Unnamed unnamed, const std::string& process) {
+Result<ExitStatus> Service::work_with(Unnamed unnamed, const std::string& process, const std::string& who) {
   Scan& scan = unnamed.scan;
   const std::filesystem::path folder = scan.folder;
   cockpit_->show(Phase::Working, "plans the path of " + folder.filename().string() + " with " + process,
                  "a person decides");
   Chosen chosen;
   chosen.process_name = process;
+  chosen.process_by = who;
+  chosen.taught = true;
   // Of the release that it was looked for in.
   chosen.release = scan.chosen.release;
   Result<void> possible = choose_process(chosen);
@@ -46,8 +55,9 @@ Result<ExitStatus> Service::work_with(Unnamed unnamed, const std::string& proces
     unnamed_.emplace(std::move(unnamed));
     return tl::unexpected<Error>{possible.error()};
   }
+  order_taught(process, chosen);
   scan.chosen = chosen;
-  cockpit_->show_model("", 0, chosen.process_name);
+  cockpit_->show_model("", 0, {chosen.process_name, chosen.process_by});
   const Result<ExitStatus> status =
       without_exceptions([&] { return work_out_path(scan, unnamed.outcome, unnamed.line, true); });
   close_result(folder, chosen);

@@ -19,6 +19,8 @@
 #include "host/intake/refused.hpp"
 #include "host/intake/scan_cause.hpp"
 #include "host/intake/whole_scan.hpp"
+#include "host/records/digest/digest.hpp"
+#include "host/records/evidence/evidence.hpp"
 #include "host/records/report/json_text.hpp"
 #include "host/records/report/report.hpp"
 #include "host/records/results/line_result.hpp"
@@ -41,28 +43,20 @@ namespace fs = std::filesystem;
 constexpr const char* k_gate_file = "gate.json";
 constexpr Nanoseconds k_dashboard_patience{2'000'000'000};
 
-/// A decision that cannot be read may have been a yes.
-bool sent_before(const fs::path& folder) {
-  std::error_code error;
-  if (!fs::exists(folder / k_gate_file, error)) return false;
-  const Result<robot::GateFile> gate = robot::read_gate(folder / k_gate_file);
-  return !gate || gate->permitted || gate->inputs.scan.sent_before;
-}
-
 Result<LineStep> keep_unfinished(const fs::path& folder, const intake::ScanOutcome& scan,
                                  report::Report& report) {
+  const std::string profiles = std::to_string(scan.counts.profiles) + " profiles";
   const intake::Refusal refusal =
-      scan.stopped ? intake::Refusal{.code = intake::Refused::ScanStopped,
-                                     .reason = "a person said stop before the scan was whole; " +
-                                               std::to_string(scan.counts.profiles) + " profiles are kept"}
+      !scan.stopped_by.empty()
+          ? intake::Refusal{.code = intake::Refused::StoppedByAPerson,
+                            .reason = "the scan was stopped by " + scan.stopped_by + " after " + profiles}
       : scan.sensor.test_pattern
           ? intake::Refusal{.code = intake::Refused::TestPattern, .reason = scan.failure->where.c_str()}
       : scan.failure->code == Errc::Refused
           ? intake::Refusal{.code = intake::Refused::CameraState, .reason = scan.failure->where.c_str()}
-          : intake::Refusal{.code = intake::Refused::ScanNotComplete,
-                            .reason = "the scan is not complete after " +
-                                      std::to_string(scan.counts.profiles) +
-                                      " profiles: " + to_line(*scan.failure)};
+          : intake::Refusal{
+                .code = intake::Refused::ScanNotComplete,
+                .reason = "the scan is not complete after " + profiles + ": " + to_line(*scan.failure)};
   report.refuse(refusal);
   BITELINE_TRY(cloud::write_cloud(folder / "cloud.ply", scan.cloud));
   BITELINE_TRY(report.write(folder));
@@ -147,6 +141,22 @@ std::optional<bool> same_payload(const std::optional<path::Payload>& sent,
          (sent->centre_flange_mm - told->centre_flange_mm).norm() <= k_mm;
 }
 
+/// A file that cannot be read is not what was written.
+robot::FilesFacts files_of(const SendRequest& request) {
+  robot::FilesFacts files;
+  if (request.looked_at.empty()) return files;
+  const memory::Evidence now = evidence::of_folder(request.looked_at).value_or(memory::Evidence{});
+  const auto compare = [](const std::string& written, const std::string& is) {
+    return written.empty() ? robot::FileFacts{} : robot::FileFacts{.written = written, .now = is};
+  };
+  files.line = compare(request.written.line, now.line);
+  files.cloud = compare(request.written.cloud, now.cloud);
+  files.report = compare(request.written.report, now.report);
+  files.process =
+      compare(request.written.process, digest_of_file(request.process_file).value_or(std::string{}));
+  return files;
+}
+
 /// What is known before anybody goes near the arm.
 robot::GateInputs gate_inputs(const PlanStep& plan, const SendRequest& request) {
   robot::GateInputs inputs;
@@ -166,8 +176,10 @@ robot::GateInputs gate_inputs(const PlanStep& plan, const SendRequest& request) 
   inputs.result.payload_as_taught = path::carries_as_taught(process, request.mounted);
   if (request.mounted.table_z_mm)
     inputs.result.table_from_taught_mm = std::abs(plan.request.table_z_mm - *request.mounted.table_z_mm);
+  inputs.files = files_of(request);
   inputs.arm.arm = plan.request.arm.name;
   inputs.arm.held = request.holds_arm;
+  inputs.arm.asked = false;
   if (!request.serial.empty()) inputs.arm.serial = request.serial;
   if (request.approved) {
     inputs.result.approved = true;
@@ -204,7 +216,9 @@ Result<ExitStatus> say_refused(const fs::path& folder, const robot::GateInputs& 
   const bool by_scan = scan_fails(rows);
   if (by_scan) std::erase_if(rows, about_the_arm);
   const std::string name = folder.filename().string();
-  const bool confirm = by_scan && may_be_confirmed(inputs);
+  // Of a scan that was seen coming in nobody can say so: it is scanned again.
+  const bool nobody_saw = inputs.scan.recovered || inputs.scan.from_recording;
+  const bool confirm = by_scan && nobody_saw && may_be_confirmed(inputs);
   say_step("refused: the path of %s is not sent: %s%s%s", name.c_str(), robot::failures(rows).c_str(),
            confirm ? "; a person who has looked may say --confirm " : "", confirm ? name.c_str() : "");
   return ExitStatus::Refused;
@@ -431,6 +445,29 @@ ControllerLook look_at_controller(const ControllerAddress& controller, const std
   return look;
 }
 
+bool was_sent(const fs::path& folder) {
+  std::error_code error;
+  if (!fs::exists(folder / k_gate_file, error)) return false;
+  const Result<robot::GateFile> gate = robot::read_gate(folder / k_gate_file);
+  return !gate || gate->permitted || gate->inputs.scan.sent_before;
+}
+
+std::optional<report::ToldRefusal> why_not_sendable(const fs::path& folder, const PlanStep& plan,
+                                                    const SendRequest& request) {
+  SendRequest said = request;
+  said.approved = robot::Word{};
+  robot::GateInputs inputs = gate_inputs(plan, said);
+  inputs.scan.sent_before = was_sent(folder);
+  for (const robot::GateRow& row : robot::judge(inputs)) {
+    if (row.state != robot::GateRow::State::Failed || about_the_arm(row)) continue;
+    const auto& words = report::refusal_row(row.code);
+    return report::ToldRefusal{.reason_code = words.name,
+                               .reason = row.name + ": " + row.value + " (" + row.limit + ")",
+                               .next_step = words.next_step};
+  }
+  return std::nullopt;
+}
+
 bool needs_a_person(const path::GateLimits& limits, double confidence) {
   return limits.approval && !(limits.automatic_above && confidence >= *limits.automatic_above);
 }
@@ -438,7 +475,7 @@ bool needs_a_person(const path::GateLimits& limits, double confidence) {
 Result<ExitStatus> follow_path(const fs::path& folder, const PlanStep& plan, const SendRequest& request,
                                std::function<Result<void>()> meanwhile) {
   robot::GateInputs inputs = gate_inputs(plan, request);
-  inputs.scan.sent_before = sent_before(folder);
+  inputs.scan.sent_before = was_sent(folder);
   inputs.scan.stopped = request.mark.stopped();
   if (scan_fails(robot::judge(inputs))) return say_refused(folder, inputs);
   const auto stopped = [&] {
@@ -461,11 +498,14 @@ Result<ExitStatus> follow_path(const fs::path& folder, const PlanStep& plan, con
   BITELINE_ASSIGN(const robot::ur::Endpoint dashboard, dashboard_of(request.controller));
   BITELINE_ASSIGN(const robot::ur::ControllerWords words,
                   robot::ur::ask_controller(dashboard, k_dashboard_patience));
+  // Right before the sending, and before the arm is looked at for the last time.
+  inputs.files = files_of(request);
   BITELINE_ASSIGN(const robot::RobotState now, link->latest());
 
   if (request.scan_ended) inputs.scan.age_s = seconds_since(*request.scan_ended);
   inputs.result.path_passed = way.path.has_value();
   inputs.result.way_clearance_mm = way.check.value;
+  inputs.arm.asked = true;
   inputs.arm.told_version = words.version;
   inputs.arm.told_model = words.model;
   inputs.arm.told_serial = words.serial;

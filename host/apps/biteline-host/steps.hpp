@@ -13,6 +13,8 @@
 #include "host/cloud/closed_line.hpp"
 #include "host/intake/live_line.hpp"
 #include "host/intake/scan_intake.hpp"
+#include "host/records/memory/memory.hpp"
+#include "host/records/report/refusal.hpp"
 #include "host/robot/kinematics/arm_model.hpp"
 #include "host/robot/link/gate/gate.hpp"
 #include "host/robot/link/ur/controller_words.hpp"
@@ -118,9 +120,12 @@ struct SendRequest {
   double confidence{0};                   ///< of the line
   std::optional<robot::Word> approved{};  ///< a person's, on this result
   std::optional<HostClock::time_point> scan_ended{};
-  path::Mounted mounted{};              ///< as it is taught when the path is sent
-  robot::ur::ArmClaim* claim{nullptr};  ///< of the dead man; outlives the following
-  robot::StopMark mark{};   ///< of the order that the scan came of
+  path::Mounted mounted{};               ///< as it is taught when the path is sent
+  robot::StopMark mark{};                ///< of the order that the scan came of
+  robot::ur::ArmClaim* claim{nullptr};   ///< of the dead man; outlives the following
+  std::filesystem::path looked_at{};     ///< the scan's folder: what is compared with `written`
+  memory::Evidence written{};            ///< what the path was planned of
+  std::filesystem::path process_file{};  ///< where its process was read
 };
 
 /// Where the arm stands, checks its way to the path from there, asks the controller about itself, opens the
@@ -132,6 +137,14 @@ struct SendRequest {
 [[nodiscard]] Result<ExitStatus> follow_path(const std::filesystem::path& folder, const PlanStep& plan,
                                              const SendRequest& request,
                                              std::function<Result<void>()> meanwhile = {});
+
+/// What the gate would say no to although a person says yes, as far as it is known without the arm; nothing:
+/// a yes goes to the gate.  Pre: the plan has a path.
+[[nodiscard]] std::optional<report::ToldRefusal> why_not_sendable(const std::filesystem::path& folder,
+                                                                  const PlanStep& plan,
+                                                                  const SendRequest& request);
+/// The gate has let a path of this scan through, or its decision cannot be read.
+[[nodiscard]] bool was_sent(const std::filesystem::path& folder);
 
 /// What the controller says about itself before a scan, on stdout too; and whether the arm stands, so that no
 /// light goes on while an older program still moves it.

@@ -8,6 +8,7 @@
 #include "common/core/fixed_text.hpp"
 #include "common/core/text.hpp"
 #include "common/system/file.hpp"
+#include "host/records/digest/digest.hpp"
 #include "host/records/report/file_lock.hpp"
 #include "host/records/report/json_text.hpp"
 #include "host/records/report/report.hpp"
@@ -43,6 +44,7 @@ Json to_json(const Version& version) {
     for (const Step& step : version.steps) json["steps"].push_back(to_json(step));
   }
   json["file"] = line_file(version.version).string();
+  if (!version.sha256.empty()) json["sha256"] = version.sha256;
   return json;
 }
 
@@ -66,7 +68,8 @@ Version version_of(const Json& json) {
                   .who = clean_text(json.at("who").get<std::string>(), 100),
                   .why = clean_text(json.value("why", ""), k_longest_text),
                   .mended = json.value("mended", 0),
-                  .steps = {}};
+                  .steps = {},
+                  .sha256 = clean_text(json.value("sha256", ""), 64)};
   for (const Json& step : json.value("steps", Json::array())) version.steps.push_back(step_of(step));
   return version;
 }
@@ -121,7 +124,18 @@ Result<cloud::ClosedLine> read_version(const fs::path& scan, int version) {
   // Nobody has mended yet.
   if (version == 0 && !fs::exists(scan / k_folder / k_list, error))
     return cloud::read_line(scan / "line.csv");
-  return cloud::read_line(scan / line_file(version));
+  BITELINE_ASSIGN(const std::vector<Version> versions, read_versions(scan));
+  const fs::path file = scan / line_file(version);
+  if (version >= 0 && static_cast<std::size_t>(version) < versions.size()) {
+    const std::string& written = versions[static_cast<std::size_t>(version)].sha256;
+    if (!written.empty() && fs::exists(file, error)) {
+      BITELINE_ASSIGN(const std::string now, digest_of_file(file));
+      if (now != written)
+        return fail(Errc::BadValue, "%.180s: it was changed since it was written; scan the shoe again",
+                    file.c_str());
+    }
+  }
+  return cloud::read_line(file);
 }
 
 Result<int> save_version(const fs::path& scan, const Version& made, const cloud::ClosedLine& line) {
@@ -132,6 +146,8 @@ Result<int> save_version(const fs::path& scan, const Version& made, const cloud:
   if (versions.size() == 1 && versions.front().time.empty()) {
     BITELINE_TRY(keep_found(scan));
     versions.front().time = made.time;
+    if (const Result<std::string> sha256 = digest_of_file(scan / line_file(0)))
+      versions.front().sha256 = *sha256;
   }
   if (made.mended != versions.back().version) {
     return fail(Errc::WrongState, "version %d was mended, and the newest is %d: look at that one first",
@@ -140,6 +156,7 @@ Result<int> save_version(const fs::path& scan, const Version& made, const cloud:
   Version next = made;
   next.version = versions.back().version + 1;
   BITELINE_TRY(cloud::write_line(scan / line_file(next.version), line));
+  BITELINE_ASSIGN(next.sha256, digest_of_file(scan / line_file(next.version)));
   versions.push_back(next);
   Json list = Json::array();
   for (const Version& version : versions) list.push_back(to_json(version));

@@ -23,6 +23,7 @@ struct Version {
   std::string why;
   int mended{0};            ///< the version that it was made of
   std::vector<Step> steps;  ///< none for 0
+  std::string sha256{};     ///< of its file; empty: an older program wrote it
 };
 
 /// The line of a version within the scan's folder.
@@ -33,7 +34,8 @@ struct Version {
 /// Oldest first; one version, as found and without a time, where nobody has mended.
 [[nodiscard]] Result<std::vector<Version>> read_versions(const std::filesystem::path& scan);
 
-/// The line of a version; Errc::FileNotFound where it is not kept or the scan was refused.
+/// The line of a version; Errc::BadValue where its file was changed since, Errc::FileNotFound where it is not
+/// kept or the scan was refused.
 [[nodiscard]] Result<cloud::ClosedLine> read_version(const std::filesystem::path& scan, int version);
 
 /// Adds a version with the next number and gives that.  Keeps what was found, first.  line.csv is not

@@ -287,8 +287,11 @@ Answer Api::change_control(const Call& call) {
 
 Answer Api::start(const Call& call) {
   Fields fields{call.request.body};
-  const Job job{.model = fields.text("model", bounds::k_name),
-                .process = fields.text("process", bounds::k_name),
+  const std::string model = fields.text("model", bounds::k_name),
+                    process = fields.text("process", bounds::k_name);
+  const Job job{.model = model,
+                .process = process,
+                .keep_process = !fields.has("process") && model.empty(),
                 .hold = fields.boolean("hold").value_or(false)};
   if (!job.model.empty() && !is_name(job.model)) fields.fault("model", "a model's name expected");
   if (!job.process.empty() && !is_name(job.process)) fields.fault("process", "a process's name expected");
@@ -296,7 +299,7 @@ Answer Api::start(const Call& call) {
   if (!job.process.empty()) {
     const Result<Stock> stock = this->stock();
     if (!stock) return answer_of(stock.error());
-    if (const auto process = stock->processes.find(job.process); !process) return answer_of(process.error());
+    if (const auto found = stock->processes.find(job.process); !found) return answer_of(found.error());
   }
   const Result<void> done = rooms_.cell.start(job, speaker(call));
   if (!done) return answer_of(done.error());

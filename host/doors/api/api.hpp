@@ -108,6 +108,11 @@ class Api {
   [[nodiscard]] control::Answer export_model(const Call& call);
   [[nodiscard]] control::Answer import_model(const Call& call);
   [[nodiscard]] control::Answer drop_import(const Call& call);
+  /// The scan's own process, or the one that is named.  Refused: it is another than the scan was planned
+  /// with, and nobody said so.
+  [[nodiscard]] std::optional<control::Answer> choose_process_of_model(const std::string& scan,
+                                                                       const std::string& process, bool other,
+                                                                       transfer::SaveOptions& options);
   /// 201 for a model that is new or in the place of another: in the log and told to all doors.
   [[nodiscard]] control::Answer tell_of_model(const Call& call, const transfer::ModelInfo& model,
                                               const std::string& action, const std::string& scan);

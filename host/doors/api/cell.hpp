@@ -35,14 +35,16 @@ struct Decision {
   std::string who;
   std::string why;
   std::string door;        ///< through which the word came
+  std::string version{};   ///< of what is held, as it was looked at; empty: not told
   std::uint64_t stops{0};  ///< as of a Speaker
 };
 
 /// What the next scan is worked with, until another is chosen.  Empty: as recognised.
 struct Job {
   std::string model;
-  std::string process;  ///< name of a process; empty: the model's own
-  bool hold{false};     ///< every scan of it waits for a person, whatever its process says
+  std::string process;       ///< name of a process; empty: the model's own
+  bool keep_process{false};  ///< nothing was said of it: what a person chose before goes on
+  bool hold{false};          ///< every scan of it waits for a person, whatever its process says
 };
 
 /// What a path along a kept scan's line would be.
@@ -133,6 +135,9 @@ class Cell {
   [[nodiscard]] virtual Result<void> begin_mend(const std::string& scan) = 0;
   /// `mended`: the scan's folder has a new line.  A scan that waits for a person gets its path planned anew.
   virtual void end_mend(const std::string& scan, bool mended, const Speaker& who) = 0;
+
+  /// A model was made with this process: whoever chose it for the scans to come finds it there.
+  virtual void model_saved(const std::string& process_sha256, const std::string& who) = 0;
 
   /// Works a kept scan out again, beside the cell's own work; the number of its folder
   /// (host/doors/api/rerun.hpp). Errc::WrongState where it has no points any more, too many wait, or a path

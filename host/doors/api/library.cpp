@@ -6,6 +6,7 @@
 #include "host/doors/api/api.hpp"
 #include "host/doors/api/process_schema.hpp"
 #include "host/doors/api/words.hpp"
+#include "host/records/digest/digest.hpp"
 
 namespace biteline::api {
 
@@ -87,6 +88,43 @@ Answer Api::read_model(const Call& call) {
   return model ? ok(model_json(*model)) : answer_of(model.error());
 }
 
+std::optional<Answer> Api::choose_process_of_model(const std::string& scan, const std::string& process,
+                                                   bool other, transfer::SaveOptions& options) {
+  const Result<std::optional<memory::Scan>> row = rooms_.memory.scan(scan);
+  if (!row) return answer_of(row.error());
+  const std::string planned = *row ? (*row)->process : std::string{};
+  const fs::path kept = rooms_.results / scan / transfer::k_process_file;
+  std::error_code error;
+  const bool is_kept = fs::exists(kept, error);
+  // Of an older program no process stands beside the scan: its name has to do.
+  const std::string name = process.empty() && !is_kept ? planned : process;
+  options.made.process = name.empty() ? planned : name;
+  if (is_kept) options.process_file = kept;
+  if (name.empty()) return std::nullopt;
+  const auto another = [&] {
+    return control::refusal(
+        409, "wrong_state",
+        scan + " was planned with " + planned +
+            (name == planned ? ", which is another one by now" : ", and not with " + name) +
+            ": name no process to save its own, or say other_process");
+  };
+  const Result<Stock> stock = this->stock();
+  if (!stock) return answer_of(stock.error());
+  const Result<StoredProcess> stored = stock->processes.find(name);
+  if (!stored) return process.empty() ? another() : answer_of(stored.error());
+  if (!other && is_kept) {
+    const Result<std::string> now = digest_of_file(stored->file), then = digest_of_file(kept);
+    if (!now || !then) return answer_of(now ? then.error() : now.error());
+    if (*now != *then) return another();
+  } else if (!other && !planned.empty()) {
+    const Result<path::Process> read = path::read_process(stored->file);
+    if (!read) return answer_of(read.error());
+    if (read->name != planned) return another();
+  }
+  if (other || !is_kept) options.process_file = stored->file;
+  return std::nullopt;
+}
+
 Answer Api::save_model(const Call& call) {
   Fields fields{call.request.body};
   const std::string name = fields.text("name", bounds::k_name, true);
@@ -96,21 +134,17 @@ Answer Api::save_model(const Call& call) {
   made.size = fields.text("size", 20);
   made.foot = fields.text("foot", 5);
   const bool replace = fields.boolean("replace").value_or(false);
+  const bool other_process = fields.boolean("other_process").value_or(false);
   if (!is_name(name)) fields.fault("name", "letters, digits, '.', '_', '-', at most 64, expected");
   if (!is_scan_id(scan)) fields.fault("scan", "scan-0001 expected");
   if (!made.foot.empty() && made.foot != "left" && made.foot != "right")
     fields.fault("foot", "left or right expected");
+  if (other_process && process.empty()) fields.fault("process", "the other process expected");
   if (const std::optional<Answer> faults = fields.faults()) return *faults;
   transfer::SaveOptions options{.process_file = {}, .replace = replace, .made = made};
-  if (!process.empty()) {
-    const Result<Stock> stock = this->stock();
-    if (!stock) return answer_of(stock.error());
-    const Result<StoredProcess> stored = stock->processes.find(process);
-    if (!stored) return answer_of(stored.error());
-    options.process_file = stored->file;
-  }
+  if (const std::optional<Answer> refused = choose_process_of_model(scan, process, other_process, options))
+    return *refused;
   options.made.scan = scan;
-  options.made.process = process;
   options.made.time = memory::to_iso(memory::now_ms());
   options.made.program = rooms_.version;
   if (!replace && rooms_.models.has(name))
@@ -119,6 +153,9 @@ Answer Api::save_model(const Call& call) {
     return control::refusal(404, "not_found", scan + ": no such scan");
   const Result<transfer::ModelInfo> model = rooms_.models.save(name, rooms_.results / scan, options);
   if (!model) return answer_of(model.error());
+  if (const Result<std::string> sha256 =
+          digest_of_file(rooms_.models.path_of(name) / transfer::k_process_file))
+    rooms_.cell.model_saved(*sha256, call.person.name);
   return tell_of_model(call, *model, replace ? "replace model" : "save model", scan);
 }
 

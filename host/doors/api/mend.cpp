@@ -7,6 +7,7 @@
 #include "common/core/text_bounds.hpp"
 #include "host/doors/api/api.hpp"
 #include "host/doors/api/words.hpp"
+#include "host/records/evidence/evidence.hpp"
 #include "host/records/results/mended_result.hpp"
 
 namespace biteline::api {
@@ -159,6 +160,16 @@ Answer Api::mend(const Call& call) {
   Mending mending{rooms_.cell, id, speaker(call)};
   Result<std::optional<memory::Scan>> row = rooms_.memory.scan(id);
   if (const std::optional<Answer> refused = not_to_mend(id, row)) return *refused;
+  // What another program wrote would come out of a mend as if the service had.
+  const Result<std::optional<memory::Evidence>> written = rooms_.memory.evidence(id);
+  if (!written) return answer_of(written.error());
+  if (*written) {
+    const Result<memory::Evidence> now = evidence::of_folder(rooms_.results / id);
+    if (!now) return answer_of(now.error());
+    const auto changed = evidence::change(**written, *now);
+    if (changed && !evidence::mended_since(rooms_.results / id, **written, *now, (*row)->line_version))
+      return control::refusal(409, "wrong_state", id + ": " + *changed);
+  }
 
   report::Report report;
   Result<mend::OrRefusal<results::MendedScan>> mended =
@@ -176,6 +187,9 @@ Answer Api::mend(const Call& call) {
                                                             .before = std::to_string(*order.line_version),
                                                             .after = order.why});
     if (!put) return answer_of(put.error());
+    if (Result<memory::Evidence> now = evidence::of_folder(rooms_.results / id); now && *written) {
+      if (const auto kept = rooms_.memory.put_evidence(id, *now); !kept) return answer_of(kept.error());
+    }
     if (rooms_.publish) rooms_.publish("scan", to_json(**row));
     return ok(to_json(**row));
   }

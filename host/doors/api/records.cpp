@@ -12,6 +12,7 @@
 #include "host/doors/api/json_file.hpp"
 #include "host/doors/api/rerun.hpp"
 #include "host/doors/api/words.hpp"
+#include "host/records/digest/digest.hpp"
 #include "host/records/memory/history.hpp"
 
 namespace biteline::api {
@@ -37,6 +38,17 @@ Json versions_json(const fs::path& folder, const memory::Scan& scan) {
   // Before the first mend the line stands in its own place.
   if (rows.size() == 1) rows[0]["file"] = "line.csv";
   return rows;
+}
+
+/// A process may have another name than its file, and the file another content by now: which of the list it
+/// is.
+Json process_file_json(const fs::path& folder, const Stock& stock) {
+  const Result<std::string> kept = digest_of_file(folder / transfer::k_process_file);
+  if (!kept) return {};
+  for (const StoredProcess& stored : stock.processes.list()) {
+    if (const Result<std::string> now = digest_of_file(stored.file); now && *now == *kept) return stored.name;
+  }
+  return {};
 }
 
 }  // namespace
@@ -71,6 +83,8 @@ Answer Api::read_scan(const Call& call) {
   json["gate"] = file_json(folder / "gate.json");
   json["follow"] = file_json(folder / "followed.json");
   json["air"] = air_json(folder / k_air_folder);
+  if (const Result<Stock> stock = this->stock(); stock)
+    json["process_file"] = process_file_json(folder, *stock);
   json["versions"] = versions_json(folder, **scan);
   json["reruns"] = reruns_json(folder, [&](int number) { return rooms_.cell.rerun_open(id, number); });
   Json stretches = Json::array();
@@ -94,6 +108,7 @@ Answer Api::decide(const Call& call, Decision::Kind kind, int status, bool needs
   const std::string& id = call.names.front();
   Fields fields{call.request.body};
   const std::string why = fields.text("why", bounds::k_why, needs_why);
+  const std::string version = fields.text("version", bounds::k_name);
   if (const std::optional<Answer> faults = fields.faults()) return *faults;
   if (!is_scan_id(id)) return control::refusal(404, "not_found", "no such scan; GET /scans lists them");
   const Result<void> done = rooms_.cell.decide({.kind = kind,
@@ -101,6 +116,7 @@ Answer Api::decide(const Call& call, Decision::Kind kind, int status, bool needs
                                                 .who = call.person.name,
                                                 .why = why,
                                                 .door = call.request.door,
+                                                .version = version,
                                                 .stops = call.request.stops});
   if (!done) return answer_of(done.error());
   const Result<std::optional<memory::Scan>> scan = rooms_.memory.scan(id);

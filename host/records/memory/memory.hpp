@@ -53,6 +53,18 @@ struct Scan {
   std::string details;             ///< JSON: what does not stand in a column
 };
 
+/// SHA-256 of what a person looks at and the arm is sent, as the service wrote it; empty: not there.
+struct Evidence {
+  std::string line;     ///< line.csv
+  std::string cloud;    ///< cloud.ply
+  std::string process;  ///< process.yaml, that the path was planned with
+  std::string report;   ///< report.json
+  bool operator==(const Evidence&) const = default;
+};
+
+/// The reason code of a scan that a person ended on its way; with the verdict refused.
+inline constexpr const char* k_stopped_by_a_person = "stopped_by_a_person";
+
 struct ScanFilter {
   std::optional<UnixMs> from{}, to{};  ///< from <= time < to
   std::string model, verdict, reason_code;
@@ -132,6 +144,10 @@ class Memory {
                                       const std::optional<Places>& places = {});
   [[nodiscard]] Result<std::optional<Scan>> scan(const std::string& name) const;
   [[nodiscard]] Result<ScanPage> scans(const ScanFilter& filter) const;
+  /// Pre: the scan has a row.
+  [[nodiscard]] Result<void> put_evidence(const std::string& scan, const Evidence& evidence);
+  /// Nothing of scans that an older program wrote.
+  [[nodiscard]] Result<std::optional<Evidence>> evidence(const std::string& scan) const;
   [[nodiscard]] Result<void> mark(const std::string& name, bool marked, const LogRow& event);
   /// Rows of scans that are to go, oldest first, never a marked one; the caller removes the folder, then
   /// calls forget_folder().  The row stays: history outlives pictures.

@@ -137,6 +137,34 @@ Result<std::optional<Scan>> Memory::scan(const std::string& name) const {
   return std::optional<Scan>{std::move(scan)};
 }
 
+Result<void> Memory::put_evidence(const std::string& scan, const Evidence& evidence) {
+  const std::lock_guard lock{*mutex_};
+  return database_->transaction([&]() -> Result<void> {
+    BITELINE_ASSIGN(const std::int64_t id, id_of(*database_, scan));
+    BITELINE_ASSIGN(Statement put,
+                    database_->prepare("INSERT OR REPLACE INTO scan_evidence (scan, line, cloud, process, "
+                                       "report) VALUES (?, ?, ?, ?, ?)"));
+    return put.bind(id)
+        .bind(evidence.line)
+        .bind(evidence.cloud)
+        .bind(evidence.process)
+        .bind(evidence.report)
+        .run();
+  });
+}
+
+Result<std::optional<Evidence>> Memory::evidence(const std::string& scan) const {
+  const std::lock_guard lock{*mutex_};
+  BITELINE_ASSIGN(Statement row,
+                  database_->prepare("SELECT line, cloud, process, report FROM scan_evidence JOIN scans ON "
+                                     "scan = id WHERE name = ?"));
+  row.bind(scan);
+  BITELINE_ASSIGN(const bool found, row.step());
+  if (!found) return std::optional<Evidence>{};
+  return std::optional{
+      Evidence{.line = row.text(0), .cloud = row.text(1), .process = row.text(2), .report = row.text(3)}};
+}
+
 Result<ScanPage> Memory::scans(const ScanFilter& filter) const {
   const std::lock_guard lock{*mutex_};
   Where where = where_of(filter);

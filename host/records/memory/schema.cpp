@@ -96,6 +96,23 @@ CREATE TABLE outbox (
 INSERT INTO outbox (scan) SELECT id FROM scans ORDER BY id;
 INSERT INTO settings (key, value) VALUES ('outbox', lower(hex(randomblob(8))));
 )sql",
+    // Trends leave out what a person stopped: the index that they are read from knows the reason, too.
+    R"sql(
+DROP INDEX scans_time;
+DROP INDEX scans_model_time;
+CREATE INDEX scans_time ON scans (time, verdict, reason_code, length_mm, u95_mm, cycle_s);
+CREATE INDEX scans_model_time ON scans (model, time, verdict, reason_code, length_mm, u95_mm, cycle_s);
+)sql",
+    // What was looked at is what is sent.
+    R"sql(
+CREATE TABLE scan_evidence (
+  scan INTEGER PRIMARY KEY REFERENCES scans (id) ON DELETE CASCADE,
+  line TEXT NOT NULL,
+  cloud TEXT NOT NULL,
+  process TEXT NOT NULL,
+  report TEXT NOT NULL
+) STRICT;
+)sql",
 };
 
 Result<int> version_of(Database& database) {

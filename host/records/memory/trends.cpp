@@ -47,12 +47,18 @@ struct Bucket {
   }
 };
 
+/// A scan that a person ended on its way says nothing of a shoe.
+void leave_out_stopped(Where& where) {
+  where.add("NOT (verdict = 'refused' AND reason_code = ?)", std::string{k_stopped_by_a_person});
+}
+
 }  // namespace
 
 Result<Trends> Memory::trends(const ScanFilter& filter, const FactoryDay& day, Span span) const {
   const std::lock_guard lock{*mutex_};
   Trends trends;
-  const Where where = where_of(filter);
+  Where where = where_of(filter);
+  leave_out_stopped(where);
   // In the order of an index that has all of these columns: one GROUP BY would sort every row first.
   BITELINE_ASSIGN(Statement rows,
                   database_->prepare("SELECT time, verdict, length_mm, u95_mm, cycle_s FROM scans" +

@@ -14,7 +14,7 @@ namespace biteline {
 
 TEST_GROUP_BASE(ServiceAndPerson, ServiceWithArm){};
 
-TEST(ServiceAndPerson, HeldScanWaitsForAPersonAndTheGateStillJudges) {
+TEST(ServiceAndPerson, HeldScanThatTheGateWouldRefuseIsNotAcceptedAndWaitsOn) {
   leave_scan("scan-0001");
   ChildProcess host = start(holding(), {"--keep-recording"});
   Page page{address_told(host)};
@@ -27,18 +27,21 @@ TEST(ServiceAndPerson, HeldScanWaitsForAPersonAndTheGateStillJudges) {
   page.wait_until_deciding();
   LONGS_EQUAL(409, page.ask("POST", "/commands/start").status);
 
-  LONGS_EQUAL(200, page.ask("POST", "/scans/scan-0001/accept", {{"why", "looked at it"}}).status);
-  const control::Json judged =
-      page.scan_once("scan-0001", [](const control::Json& scan) { return scan["reason_code"].is_string(); });
-  // A person's yes is not all that must hold: nobody saw this scan come in.
-  STRCMP_EQUAL("scan_not_seen", judged["reason_code"].get<std::string>().c_str());
-  STRCMP_EQUAL("accepted", judged["decision"].get<std::string>().c_str());
-  STRCMP_EQUAL("ada", judged["decided_by"].get<std::string>().c_str());
-  STRCMP_CONTAINS("ada",
-                  gate_of(results() / "scan-0001")["inputs"]["result"].value("approved_by", "").c_str());
-  CHECK(reasons_of(results() / "scan-0001").find("not_approved") == std::string::npos);
+  // A person's yes is not all that must hold: nobody saw this scan come in, and the page is told before.
+  const control::Json waits = page.ask("GET", "/state").body["held"];
+  CHECK_FALSE(waits["sendable"].get<bool>());
+  STRCMP_EQUAL("scan_not_seen", waits["reason_code"].get<std::string>().c_str());
+  for (const char* word : {"accept", "send"}) {
+    const control::Answer answer = page.ask("POST", std::string{"/scans/scan-0001/"} + word);
+    LONGS_EQUAL_TEXT(409, answer.status, word);
+    STRCMP_CONTAINS("scan seen coming in", test::text_of(answer.body).c_str());
+  }
+  const control::Json row = page.ask("GET", "/scans/scan-0001").body;
+  STRCMP_EQUAL("held", row["decision"].get<std::string>().c_str());
+  CHECK(row["decided_by"].is_null());
+  STRCMP_EQUAL("deciding", page.ask("GET", "/state").body["phase"].get<std::string>().c_str());
+  CHECK(!fs::exists(results() / "scan-0001/gate.json"));
   CHECK(controller.script().empty());
-  STRCMP_CONTAINS("accepted", test::text_of(page.ask("GET", "/log").body).c_str());
 }
 
 TEST(ServiceAndPerson, KeptScanIsWorkedOutAgainBesideItsResultAndNothingIsSent) {

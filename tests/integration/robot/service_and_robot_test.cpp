@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "host/cloud/closed_line.hpp"
+#include "host/records/memory/memory.hpp"
 #include "host/transfer/library.hpp"
 #include "tests/integration/robot/service_with_arm.hpp"
 
@@ -27,9 +28,48 @@ TEST(ServiceAndRobot, OldRecordingIsWorkedOutAndNeverSent) {
   CHECK(fs::exists(scan / "scan.btln"));  // a person may still say so
 }
 
-TEST(ServiceAndRobot, OldRecordingIsSentWhenAPersonSaysItsNameAndNoOther) {
+/// A word is for a scan that lies there, by its plain name: never for one that is still to come.
+TEST(ServiceAndRobot, AWordForAScanThatIsNotThereEndsTheStartAndSaysSo) {
+  const fs::path scan = leave_scan("scan-0001");
+  fs::create_directory_symlink(scan, results() / "scan-0003");
+  fs::create_directories(results() / "scan-0004");
+  for (const char* name : {"scan-0002", "scan-0003", "scan-0004", "Scan-0001", "scan-0001/", "./scan-0001",
+                           "../results/scan-0001", "scan-1", " scan-0001"}) {
+    ChildProcess host = start(sending(k_no_sensor), {"--once", "--confirm", name});
+    const auto [status, said] = end_of(host);
+    LONGS_EQUAL_TEXT(static_cast<int>(ExitStatus::BadInput), status, name);
+    STRCMP_CONTAINS("--confirm", host.last_words().c_str());
+  }
+  CHECK(!fs::exists(scan / "report.json"));
+  CHECK(controller.script().empty());
+}
+
+/// A service that comes back with the same command vouches for nothing that came in meanwhile under that
+/// name.
+TEST(ServiceAndRobot, AWordIsForOneScanByItsNumberAndNotForAnotherOfItsName) {
+  const fs::path scan = leave_scan("scan-0001");
+  {
+    ChildProcess first =
+        start(sending(k_no_sensor), {"--once", "--confirm", "scan-0001", "--keep-recording"});
+    static_cast<void>(end_of(first));
+  }
+  const std::string sent = controller.script();
+  CHECK(!sent.empty());
+  // The folder is gone, and with it what stood beside the scan: the memory still knows the number.
+  fs::remove_all(scan);
   leave_scan("scan-0001");
-  ChildProcess other = start(sending(k_no_sensor), {"--once", "--confirm", "scan-0002"});
+  leave_scan("scan-0002");
+  for (const char* name : {"scan-0001", "scan-0002"}) {
+    ChildProcess again = start(sending(k_no_sensor), {"--once", "--confirm", name});
+    LONGS_EQUAL_TEXT(static_cast<int>(ExitStatus::BadInput), end_of(again).first, name);
+    STRCMP_CONTAINS("used up", again.last_words().c_str());
+  }
+  CHECK_EQUAL(sent, controller.script());
+}
+
+TEST(ServiceAndRobot, OldRecordingIsSentWhenAPersonSaysItsName) {
+  leave_scan("scan-0001");
+  ChildProcess other = start(sending(k_no_sensor), {"--once"});
   LONGS_EQUAL(static_cast<int>(ExitStatus::Refused), end_of(other).first);
   CHECK(controller.script().empty());
   // It has a report by now; the name brings it up again.
@@ -49,10 +89,12 @@ TEST(ServiceAndRobot, WordCountsForOneSending) {
   const std::string sent = controller.script();
   CHECK(!sent.empty());
   for (int again = 0; again < 2; ++again) {
+    // With a new memory, too: what was decided stands beside the scan.
+    if (again == 1) fs::remove(results() / "memory.sqlite");
     ChildProcess second =
         start(sending(k_no_sensor), {"--once", "--confirm", "scan-0001", "--keep-recording"});
-    LONGS_EQUAL(static_cast<int>(ExitStatus::Refused), end_of(second).first);
-    STRCMP_CONTAINS("sent_before", reasons_of(results() / "scan-0001").c_str());
+    LONGS_EQUAL(static_cast<int>(ExitStatus::BadInput), end_of(second).first);
+    STRCMP_CONTAINS("used up", second.last_words().c_str());
   }
   CHECK_EQUAL(sent, controller.script());
 }
@@ -150,9 +192,77 @@ TEST(ServiceAndRobot, ScanThatKilledTheServiceIsSetAsideAndTheNextOneGoesOn) {
   const auto [status, said] = end_of(successor);
   LONGS_EQUAL(static_cast<int>(ExitStatus::Done), status);
   STRCMP_CONTAINS("scan-0001 is set aside", said.c_str());
+  // Each shoe has its row before the next one is begun: in the order in which they came.
+  const auto memory = memory::Memory::open_to_read(results() / memory::k_memory_file);
+  SUCCEEDS(memory);
+  const auto rows = memory->scans({});
+  SUCCEEDS(rows);
+  LONGS_EQUAL(2, rows->scans.size());
+  STRCMP_EQUAL("scan-0001", rows->scans.back().name.c_str());
+  STRCMP_EQUAL("scan_set_aside", rows->scans.back().reason_code.c_str());
+  STRCMP_EQUAL("", rows->scans.back().process.c_str());
   STRCMP_EQUAL("scan_set_aside", report_of(deadly).value("reason_code", "").c_str());
   CHECK(fs::exists(deadly / "scan.btln"));
   CHECK(fs::exists(next / "line.csv"));
+}
+
+TEST(ServiceAndRobot, AJournalThatNobodyCanReadIsSetAsideWithItsRowAndTheNextOneGoesOn) {
+  const fs::path broken = results() / "scan-0001";
+  fs::create_directories(broken);
+  std::ofstream{broken / "scan.btln"} << "no journal of ours, but some bytes";
+  const fs::path next = leave_scan("scan-0002");
+  ChildProcess host = start(arguments(k_no_sensor), {"--once"});
+  LONGS_EQUAL(static_cast<int>(ExitStatus::Done), end_of(host).first);
+  STRCMP_EQUAL("scan_set_aside", report_of(broken).value("reason_code", "").c_str());
+  const auto memory = memory::Memory::open_to_read(results() / memory::k_memory_file);
+  SUCCEEDS(memory);
+  const auto row = memory->scan("scan-0001");
+  CHECK(row && *row);
+  STRCMP_EQUAL("refused", (*row)->verdict.c_str());
+  CHECK(fs::exists(next / "line.csv"));
+}
+
+/// As it is left by a stop on the way: the sensor ended it, and so it looks like a scan that came to its end.
+TEST(ServiceAndRobot, AScanThatAPersonStoppedIsJudgedAsNoShoe) {
+  const fs::path scan = leave_scan("scan-0001");
+  std::ofstream{scan / "scan.stopped"} << "ada\n";
+  ChildProcess host = start(sending(k_no_sensor), {"--once"});
+  LONGS_EQUAL(static_cast<int>(ExitStatus::Refused), end_of(host).first);
+  const nlohmann::json report = report_of(scan);
+  STRCMP_EQUAL("stopped_by_a_person", report.value("reason_code", "").c_str());
+  STRCMP_CONTAINS("stopped by ada after", report.value("reason", "").c_str());
+  CHECK(fs::exists(scan / "cloud.ply"));
+  CHECK(!fs::exists(scan / "line.csv"));
+  const auto memory = memory::Memory::open_to_read(results() / memory::k_memory_file);
+  SUCCEEDS(memory);
+  const auto trends = memory->trends({}, memory::k_day_ms);
+  SUCCEEDS(trends);
+  CHECK(trends->buckets.empty());
+  CHECK(trends->reasons.empty());
+  CHECK(controller.script().empty());
+  // The maintainer's question is mostly about such scans.
+  const fs::path biteline = host_program().parent_path() / "biteline";
+  auto explain = ChildProcess::start({.program = biteline, .arguments = {"explain", scan.string()}});
+  SUCCEEDS(explain);
+  const auto [explained, words] = end_of(*explain);
+  LONGS_EQUAL(static_cast<int>(ExitStatus::Refused), explained);
+  STRCMP_CONTAINS("stopped by ada", words.c_str());
+  STRCMP_CONTAINS("next: start, when the cell is clear", words.c_str());
+}
+
+TEST(ServiceAndRobot, ExplainFailsNoRowThatWasNotLookedAt) {
+  const fs::path scan = leave_scan("scan-0001");
+  ChildProcess host = start(sending(k_no_sensor), {"--once"});
+  LONGS_EQUAL(static_cast<int>(ExitStatus::Refused), end_of(host).first);
+  const fs::path biteline = host_program().parent_path() / "biteline";
+  auto explain = ChildProcess::start({.program = biteline, .arguments = {"explain", scan.string()}});
+  SUCCEEDS(explain);
+  const auto [explained, words] = end_of(*explain);
+  LONGS_EQUAL(static_cast<int>(ExitStatus::Refused), explained);
+  STRCMP_CONTAINS("FAILED         scan seen coming in", words.c_str());
+  for (const char* row : {"remote control", "path's checks", "arm since the check"})
+    STRCMP_CONTAINS((std::string{"not looked at  "} + row).c_str(), words.c_str());
+  CHECK(words.find("pendant") == std::string::npos);
 }
 
 TEST(ServiceAndRobot, ScanThatIsSetAsideIsNotTouchedAgain) {

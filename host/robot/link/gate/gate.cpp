@@ -112,6 +112,23 @@ void add_result_rows(const GateInputs& inputs, std::vector<GateRow>& rows) {
                   result.same_payload ? when(*result.same_payload) : State::NotKnown});
 }
 
+/// A row for each file that is compared.
+void add_file_rows(const FilesFacts& files, std::vector<GateRow>& rows) {
+  const auto brief = [](const std::string& sha256) { return sha256.empty() ? "none" : sha256.substr(0, 12); };
+  const auto add = [&](const char* name, const char* file, const FileFacts& facts) {
+    if (!facts.written) return;
+    const bool same = facts.now == facts.written;
+    const std::string now = brief(facts.now.value_or(""));
+    rows.push_back({Refused::FilesChanged, name,
+                    same ? now : std::string{file} + " was changed since the service took it: " + now,
+                    "SHA-256 " + brief(*facts.written), when(same)});
+  };
+  add("line as written", "line.csv", files.line);
+  add("cloud as written", "cloud.ply", files.cloud);
+  add("report as written", "report.json", files.report);
+  add("process as planned with", "the process file", files.process);
+}
+
 /// A row for each part that was taught: without teaching the gate is as it was.
 void add_taught_rows(const ResultFacts& result, std::vector<GateRow>& rows) {
   const auto add_mm = [&](const char* name, const std::optional<double>& off_mm, double most_mm) {
@@ -172,7 +189,21 @@ void add_arm_rows(const GateInputs& inputs, std::vector<GateRow>& rows) {
                   when(arm.held)});
 }
 
+/// What stands in such a row was never asked for: nobody shall go and mend it.
+void tell_what_was_not_looked_at(std::vector<GateRow>& rows) {
+  for (GateRow& row : rows) {
+    if (!needs_the_arm(row.code)) continue;
+    row.state = State::NotLookedAt;
+    row.value = "not looked at";
+  }
+}
+
 }  // namespace
+
+bool needs_the_arm(Refused code) {
+  return code == Refused::PathNotPassed || code == Refused::ArmMoved || code == Refused::NotRemote ||
+         code == Refused::OtherArm || code == Refused::OtherSerial;
+}
 
 struct Gatekeeper {
   static PermittedPath permit(const path::CheckedPath& path, const GateInputs& inputs, const StopMark& mark) {
@@ -185,13 +216,16 @@ std::vector<GateRow> judge(const GateInputs& inputs) {
   add_scan_rows(inputs, rows);
   add_result_rows(inputs, rows);
   add_taught_rows(inputs.result, rows);
+  add_file_rows(inputs.files, rows);
   add_arm_rows(inputs, rows);
+  if (inputs.arm.asked == false) tell_what_was_not_looked_at(rows);
   return rows;
 }
 
 bool passed(const std::vector<GateRow>& rows) {
-  return !rows.empty() &&
-         std::ranges::none_of(rows, [](const GateRow& row) { return row.state == State::Failed; });
+  return !rows.empty() && std::ranges::none_of(rows, [](const GateRow& row) {
+    return row.state == State::Failed || row.state == State::NotLookedAt;
+  });
 }
 
 std::string failures(const std::vector<GateRow>& rows) {

@@ -64,6 +64,18 @@ struct ArmFacts {
   kinematics::Joints q_checked_rad{kinematics::Joints::Zero()};  ///< where its way was checked from
   kinematics::Joints q_now_rad{kinematics::Joints::Zero()};
   bool held{false};  ///< this service holds the arm's lock
+  /// The arm and its controller were looked at; false: the scan itself was refused before.  Nothing: of a
+  /// file that does not say.
+  std::optional<bool> asked{};
+};
+
+/// A file's SHA-256 as the service wrote or read it, and now; nothing: it is not compared.
+struct FileFacts {
+  std::optional<std::string> written{}, now{};
+};
+/// What was looked at is what is sent.
+struct FilesFacts {
+  FileFacts line, cloud, report, process;
 };
 
 struct GateInputs {
@@ -71,10 +83,12 @@ struct GateInputs {
   ScanFacts scan;
   ResultFacts result;
   ArmFacts arm;
+  FilesFacts files{};
 };
 
 struct GateRow {
-  enum class State { Passed, Failed, NotKnown };  ///< NotKnown does not stop the path; Failed does
+  /// NotKnown does not stop the path; Failed does, and so does NotLookedAt.
+  enum class State { Passed, Failed, NotKnown, NotLookedAt };
   Refused code;
   std::string name;
   std::string value;
@@ -82,6 +96,8 @@ struct GateRow {
   State state{State::Failed};
 };
 
+/// Its row is about the arm as it stands when the path is sent.
+[[nodiscard]] bool needs_the_arm(Refused code);
 /// The whole table, from the inputs alone: the same inputs give the same rows at any time.
 [[nodiscard]] std::vector<GateRow> judge(const GateInputs& inputs);
 [[nodiscard]] bool passed(const std::vector<GateRow>& rows);

@@ -48,6 +48,18 @@ void visit(const Visit& v, ResultFacts& result) {
 }
 
 template <class Visit>
+void visit(const Visit& v, FilesFacts& files) {
+  v.since("line_sha256", files.line.written);
+  v.since("line_now_sha256", files.line.now);
+  v.since("cloud_sha256", files.cloud.written);
+  v.since("cloud_now_sha256", files.cloud.now);
+  v.since("report_sha256", files.report.written);
+  v.since("report_now_sha256", files.report.now);
+  v.since("process_sha256", files.process.written);
+  v.since("process_now_sha256", files.process.now);
+}
+
+template <class Visit>
 void visit(const Visit& v, ArmFacts& arm) {
   v("arm", arm.arm);
   v("serial", arm.serial);
@@ -58,6 +70,7 @@ void visit(const Visit& v, ArmFacts& arm) {
   v("q_checked_rad", arm.q_checked_rad);
   v("q_now_rad", arm.q_now_rad);
   v("held", arm.held);
+  v.since("asked", arm.asked);
 }
 
 template <class Visit>
@@ -165,6 +178,8 @@ const char* name_of(GateRow::State state) {
       return "failed";
     case GateRow::State::NotKnown:
       return "not known";
+    case GateRow::State::NotLookedAt:
+      return "not looked at";
   }
   return "failed";
 }
@@ -195,6 +210,8 @@ Result<void> write_gate(const std::filesystem::path& file, const GateInputs& inp
                       {"result", written(inputs.result)},
                       {"arm", written(inputs.arm)},
                       {"limits", written(inputs.limits)}}}};
+  if (ordered_json files = written(inputs.files); files.is_object())
+    json["inputs"]["files"] = std::move(files);
   ordered_json& word = json["inputs"]["scan"]["confirmed"];
   if (inputs.scan.confirmed) word = {{"by", inputs.scan.confirmed->by}, {"at", inputs.scan.confirmed->at}};
   return report::write_file_atomically(
@@ -222,6 +239,7 @@ Result<GateFile> read_gate(const std::filesystem::path& file) {
   visit(Reader{part("result"), fault}, out.inputs.result);
   visit(Reader{part("arm"), fault}, out.inputs.arm);
   visit(Reader{part("limits"), fault}, out.inputs.limits);
+  visit(Reader{part("files"), fault}, out.inputs.files);
   if (const ordered_json& word =
           part("scan").is_object() ? part("scan").value("confirmed", ordered_json()) : ordered_json();
       word.is_object()) {

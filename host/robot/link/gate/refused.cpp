@@ -22,6 +22,8 @@ std::span<const report::RefusalRow<Refused>> refusal_table(Refused) {
       Row{Refused::TooUncertain, "too_uncertain", "scan again, or ask the process for less"},
       Row{Refused::NotApproved, "not_approved", "look at the result, then --confirm the scan"},
       Row{Refused::NotAsTaught, "not_as_taught", "teach what is mounted, or mount the process's tool"},
+      Row{Refused::FilesChanged, "files_changed",
+          "mend the line in the page or by biteline line edit, choose the process again, or scan again"},
       Row{Refused::ArmMoved, "arm_moved", k_again},
       Row{Refused::NotRemote, "not_remote", "switch the pendant to remote control"},
       Row{Refused::OtherArm, "other_arm", "check --robot and the controller's address"},

@@ -19,6 +19,7 @@ enum class Refused {
   TooUncertain,     ///< the line's uncertainty is beyond the tolerance
   NotApproved,      ///< a person has said no, or has not said yes where the process asks
   NotAsTaught,      ///< tip, payload or table are not what was taught at the cell
+  FilesChanged,     ///< line, cloud, report or process is not what the service wrote and planned with
   ArmMoved,         ///< since its way was checked
   NotRemote,        ///< the controller is in local control
   OtherArm,         ///< not the configured model

@@ -33,7 +33,10 @@ export interface State {
   lamps: Record<string, Lamp>;
   cycle?: { this_s?: number | null; last_s?: number | null };
   model?: { name: string; probability?: number } | null;
+  /// Of the scan in work or held; between scans of the next one, null where its model decides.
   process?: string | null;
+  /// Whose word that process is; null: the model's or the service's own.
+  process_by?: string | null;
   held?: Held | null;
   day?: Day;
   control: Control;
@@ -49,6 +52,12 @@ export interface Held {
   scan: string;
   waits_for: 'word' | 'path' | 'model';
   fresh_s: number | null;
+  /// Of what a yes is said to: line, cloud, process and path.
+  version?: string | null;
+  /// Why a yes would come to nothing.
+  sendable?: boolean;
+  reason?: string | null;
+  next_step?: string | null;
 }
 export type Verdict = 'working' | 'ok' | 'amber' | 'refused' | 'failed';
 export interface ScanRow {
@@ -111,6 +120,8 @@ export interface Scan extends ScanRow {
   gate?: Record<string, unknown> | null;
   follow?: Record<string, unknown> | null;
   air?: AirRun | null;
+  /// The process of the list that its path was planned with, byte by byte.
+  process_file?: string | null;
   versions?: LineVersion[];
   reruns?: Rerun[];
 }

@@ -20,10 +20,35 @@ export function use_fresh(): number | null {
   return left;
 }
 
+/// A yes to this scan goes to the gate: the service says so, and it has not grown too old since.
+export function use_sendable(scan: string): boolean {
+  const held = use_store().state?.held ?? null;
+  const left = use_fresh();
+  return held?.scan === scan && held.sendable !== false && left !== 0;
+}
+
+/// A yes is to what this page shows: where the service holds another version by now it is none.
+export function use_shown_version(scan: string): { version?: string } {
+  const held = use_store().state?.held ?? null;
+  return held?.scan === scan && held.version ? { version: held.version } : {};
+}
+
+/// Why a yes is not offered, and what helps.
+export function NotSendable({ scan }: { scan: string }): JSX.Element | null {
+  const held = use_store().state?.held ?? null;
+  const sendable = use_sendable(scan);
+  if (held?.scan !== scan || sendable) return null;
+  return (
+    <p class="notice look">{held.reason ? `${held.reason}. ${held.next_step ?? ''}` : t('fresh_over')}</p>
+  );
+}
+
 export function Fresh({ scan }: { scan: string }): JSX.Element | null {
   const held = use_store().state?.held ?? null;
   const left = use_fresh();
   if (held?.scan !== scan || held.waits_for !== 'word') return null;
   if (left !== null && left > 0) return <p class="quiet">{t('fresh_left', { seconds: number(left, 0) })}</p>;
+  // Somebody vouched for it: it has no age.
+  if (left === null && held.sendable) return null;
   return <p class="notice look">{left === null ? t('fresh_unseen') : t('fresh_over')}</p>;
 }

@@ -5,7 +5,7 @@ import { useEffect, useRef, useState } from 'preact/hooks';
 import { type Scale, gradient } from '../viewer/colours';
 import { amount, number, t, t_or } from '../words';
 import { type Model, type ScanRow, call } from './api';
-import { Fresh } from './fresh';
+import { Fresh, NotSendable, use_sendable, use_shown_version } from './fresh';
 import { watch_live } from './live_data';
 import { LiveScene, type LiveColour } from './live_scene';
 import { AskWhy, Failure, Figures, Verdict } from './parts';
@@ -255,6 +255,8 @@ function ChooseModel({ scan, enabled }: { scan: ScanRow; enabled: boolean }): JS
 /// Accept, reject, hold, send, rescan: what may be done with a scan now.
 export function Decide({ scan }: { scan: ScanRow }): JSX.Element {
   use_store();
+  const sendable = use_sendable(scan.id);
+  const shown = use_shown_version(scan.id);
   const enabled = may('operator') && holds_control();
   const at = `/scans/${scan.id}`;
   const has_line = scan.verdict === 'ok' || scan.verdict === 'amber';
@@ -270,8 +272,8 @@ export function Decide({ scan }: { scan: ScanRow }): JSX.Element {
         <button
           type="button"
           class="go"
-          disabled={!enabled}
-          onClick={() => void act(t('done_accept'), () => call('POST', `${at}/accept`, {}))}
+          disabled={!enabled || !sendable}
+          onClick={() => void act(t('done_accept'), () => call('POST', `${at}/accept`, shown))}
         >
           {t('accept')}
         </button>
@@ -299,6 +301,7 @@ export function Decide({ scan }: { scan: ScanRow }): JSX.Element {
       >
         {t('rescan')}
       </button>
+      {waits && <NotSendable scan={scan.id} />}
       {!enabled && <p class="quiet">{may('operator') ? t('needs_control') : t('needs_operator')}</p>}
     </div>
   );
@@ -327,6 +330,17 @@ export function Live(): JSX.Element {
           >
             {t('start')}
           </button>
+          {state.process_by && !state.held && (
+            <button
+              type="button"
+              disabled={!enabled}
+              onClick={() =>
+                void act(t('done_start'), () => call('POST', '/commands/start', { process: '' }))
+              }
+            >
+              {t('start_own_process')}
+            </button>
+          )}
           {!enabled && <p class="quiet">{may('operator') ? t('needs_control') : t('needs_operator')}</p>}
         </div>
       </section>
@@ -358,7 +372,12 @@ export function Live(): JSX.Element {
               ? `${state.model.name}${state.model.probability !== undefined ? ` (${number(state.model.probability, 2)})` : ''}`
               : '–',
           ],
-          [t('process'), state.process ?? '–'],
+          [
+            t('process'),
+            state.process_by
+              ? t('process_by', { process: state.process ?? '–', who: state.process_by })
+              : (state.process ?? t('process_of_model')),
+          ],
           [t('scan'), state.scan ? <a href={`#/scans/${state.scan}`}>{state.scan}</a> : '–'],
         ]}
       />

@@ -12,6 +12,7 @@ export function ModelForm(props: {
   look: 'form' | 'tools';
   names: string[];
   scan: string;
+  /// Another one than the scan was planned with; empty: the scan's own.
   process: string;
   enabled: boolean;
   /// The name under which it was saved here; empty: not yet.
@@ -31,7 +32,11 @@ export function ModelForm(props: {
     const wish = { ...form, scan: props.scan, process: props.process };
     const body = Object.fromEntries(Object.entries(wish).filter(([, text]) => text !== ''));
     return act(t('done_model', { name: form.name }), () =>
-      call('POST', '/models', exists ? { ...body, replace: true } : body),
+      call('POST', '/models', {
+        ...body,
+        ...(props.process === '' ? {} : { other_process: true }),
+        ...(exists ? { replace: true } : {}),
+      }),
     ).then((done) => done && props.save?.(form.name));
   };
   return (

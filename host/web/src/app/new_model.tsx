@@ -36,7 +36,7 @@ export function NewModel({ names }: { names: string[] }): JSX.Element {
         <label>
           {t('process')}{' '}
           <select {...field('process')}>
-            <option value="">–</option>
+            <option value="">{t('process_of_scan')}</option>
             {(processes?.processes ?? []).map((process) => (
               <option key={process.name} value={process.name}>
                 {process.name}

@@ -4,7 +4,7 @@ import type { JSX } from 'preact';
 import { useEffect, useState } from 'preact/hooks';
 import { amount, t, t_or } from '../words';
 import { type FileRow, type Scan, type ScanRow, call } from './api';
-import { Fresh, use_fresh } from './fresh';
+import { Fresh, use_fresh, use_sendable } from './fresh';
 import { Failure, Figures, Step, Verdict } from './parts';
 import { ScanView } from './scans';
 import { act, holds_control, may, use_reading, use_store } from './store';
@@ -29,8 +29,6 @@ export function Teach(): JSX.Element {
   const held = (value?.scans ?? []).find((scan) => has_line(scan) && scan.id === state?.held?.scan);
   // What was taught stays on the screen until the next scan is held.
   const [shown, set_shown] = useState('');
-  // Chosen once: a scan that takes the place of an older one gets it, too.
-  const [process, set_process] = useState('');
   useEffect(() => {
     if (held) set_shown(held.id);
   }, [held?.id]);
@@ -57,7 +55,7 @@ export function Teach(): JSX.Element {
         </button>
         {in_work && <p class="quiet">{state?.now}</p>}
       </Step>
-      {id !== '' && <Taught key={id} id={id} enabled={enabled} process={process} take={set_process} />}
+      {id !== '' && <Taught key={id} id={id} enabled={enabled} />}
     </>
   );
 }
@@ -65,13 +63,12 @@ export function Teach(): JSX.Element {
 interface OfTaught {
   id: string;
   enabled: boolean;
-  process: string;
-  take: (process: string) => void;
 }
 
-function Taught({ id, enabled, process, take }: OfTaught): JSX.Element {
+function Taught({ id, enabled }: OfTaught): JSX.Element {
   const { state } = use_store();
   const fresh = (use_fresh() ?? 0) > 0;
+  const sendable = use_sendable(id);
   const { value: scan, error } = use_reading<Scan>(`/scans/${id}`);
   const { value: listed } = use_reading<{ files: FileRow[] }>(`/scans/${id}/files`);
   const [model, set_model] = useState('');
@@ -81,6 +78,8 @@ function Taught({ id, enabled, process, take }: OfTaught): JSX.Element {
   const waits = state?.held?.scan === id && state.phase === 'deciding';
   const dry_run = files.find((file) => file.path === 'path/tracking.html') ?? null;
   const common = { scan, enabled: enabled && waits };
+  // Of the service, so that another tab, or this one after a reload, sees the same.
+  const chosen = state?.held?.scan === id ? !!state.process_by : true;
   return (
     <>
       <Step number={2} name={t('teach_look')} done={has_line(scan) && (scan.weak_stretches ?? 0) === 0}>
@@ -100,10 +99,15 @@ function Taught({ id, enabled, process, take }: OfTaught): JSX.Element {
           {closer && <ScanView scan={scan} files={files} />}
         </details>
       </Step>
-      <ProcessStep {...common} taken={process} take={take} dry_run={dry_run} />
+      <ProcessStep
+        {...common}
+        taken={chosen ? (scan.process_file ?? '') : ''}
+        chosen={chosen}
+        dry_run={dry_run}
+      />
       <AirStep {...common} ready={fresh && dry_run !== null} />
-      <SaveStep {...common} process={process} saved={model} save={set_model} enabled={enabled} />
-      <GoStep {...common} model={model} fresh={fresh} />
+      <SaveStep {...common} saved={model} save={set_model} enabled={enabled} />
+      <GoStep {...common} model={model} fresh={sendable} />
     </>
   );
 }

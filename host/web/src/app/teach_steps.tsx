@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The steps of teaching behind the scan: process with its dry run, run in the air, model, go.
 import type { JSX } from 'preact';
-import { useEffect, useRef, useState } from 'preact/hooks';
+import { useEffect, useState } from 'preact/hooks';
 import { number, t, t_or } from '../words';
 import {
   type FileRow,
@@ -12,6 +12,7 @@ import {
   call,
   file_address,
 } from './api';
+import { NotSendable, use_shown_version } from './fresh';
 import { ModelForm } from './model_form';
 import { Step, Verdict } from './parts';
 import { TriedWords, type Tried } from './process_check';
@@ -41,33 +42,24 @@ function use_fit(scan: string, name: string): Tried | null {
 }
 
 export function ProcessStep(
-  props: OfScan & { taken: string; take: (name: string) => void; dry_run: FileRow | null },
+  props: OfScan & { taken: string; chosen: boolean; dry_run: FileRow | null },
 ): JSX.Element {
   const { scan, taken } = props;
   const { value } = use_reading<{ processes: ProcessRow[] }>('/processes');
-  const [name, set_name] = useState(taken);
-  const tried = use_fit(scan.id, props.enabled && name !== taken ? name : '');
-  // A process may have another name than its file, so the scan's row does not tell.
-  const [taken_here, set_taken_here] = useState(false);
-  const planned = taken_here && props.dry_run !== null;
-  const asked = useRef(false);
-  const take = () => {
-    asked.current = true;
-    return act(t('done_choose_process', { name }), () =>
-      call('POST', `/scans/${scan.id}/process`, { process: name }),
-    ).then((done) => {
-      if (!done) return;
-      set_taken_here(true);
-      props.take(name);
-    });
-  };
-  // The scan before this one had it: only the shoe is scanned anew.
+  const [name, set_name] = useState('');
+  // What the service plans with, until somebody looks for another one here.
   useEffect(() => {
-    if (props.enabled && taken !== '' && !planned && !asked.current) void take();
-  }, [props.enabled, taken, planned]);
+    if (taken !== '') set_name(taken);
+  }, [taken]);
+  const tried = use_fit(scan.id, props.enabled && name !== taken ? name : '');
+  const take = () =>
+    act(t('done_choose_process', { name }), () =>
+      call('POST', `/scans/${scan.id}/process`, { process: name }),
+    );
   return (
-    <Step number={3} name={t('teach_process')} done={planned}>
+    <Step number={3} name={t('teach_process')} done={props.chosen && props.dry_run !== null}>
       <p>{t('teach_process_words')}</p>
+      {scan.process && <p class="quiet">{t('teach_planned_with', { process: scan.process })}</p>}
       <div class="tools">
         <label>
           {t('process')}{' '}
@@ -131,18 +123,17 @@ export function AirStep({ scan, enabled, ready }: OfScan & { ready: boolean }): 
   );
 }
 
-export function SaveStep(
-  props: OfScan & { process: string; saved: string; save: (name: string) => void },
-): JSX.Element {
+export function SaveStep(props: OfScan & { saved: string; save: (name: string) => void }): JSX.Element {
   const { value } = use_reading<{ models: Model[] }>('/models');
   return (
     <Step number={5} name={t('teach_save')} done={props.saved !== ''}>
       <p>{t('teach_save_words')}</p>
+      {props.scan.process && <p class="quiet">{t('teach_planned_with', { process: props.scan.process })}</p>}
       <ModelForm
         look="tools"
         names={(value?.models ?? []).map((model) => model.name)}
         scan={props.scan.id}
-        process={props.process}
+        process=""
         enabled={props.enabled}
         saved={props.saved}
         save={props.save}
@@ -153,6 +144,7 @@ export function SaveStep(
 
 export function GoStep(props: OfScan & { model: string; fresh: boolean }): JSX.Element {
   const { scan, enabled, model } = props;
+  const shown = use_shown_version(scan.id);
   const at = `/scans/${scan.id}`;
   return (
     <Step number={6} name={t('teach_go')} done={scan.followed === true}>
@@ -162,7 +154,7 @@ export function GoStep(props: OfScan & { model: string; fresh: boolean }): JSX.E
           type="button"
           class={props.fresh ? 'go' : ''}
           disabled={!enabled || !props.fresh}
-          onClick={() => void act(t('done_accept'), () => call('POST', `${at}/accept`, {}))}
+          onClick={() => void act(t('done_accept'), () => call('POST', `${at}/accept`, shown))}
         >
           {t('teach_go_now')}
         </button>
@@ -175,6 +167,7 @@ export function GoStep(props: OfScan & { model: string; fresh: boolean }): JSX.E
           {t('teach_go_again')}
         </button>
       </div>
+      <NotSendable scan={scan.id} />
       {scan.decision !== 'held' && (
         <p class="notice">
           <Verdict scan={scan} /> {t_or(`decision_${scan.decision}`, scan.decision)}

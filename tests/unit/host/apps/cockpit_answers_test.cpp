@@ -119,7 +119,7 @@ TEST(CockpitAnswers, RobotsProgressModelAndHolderAreTold) {
   sut->show(Phase::Scanning, "scans scan-0001", "its line");
   sut->show_scan("scan-0001");
   sut->show_progress(50, 100);
-  sut->show_model("boot", 0.98, "rough");
+  sut->show_model("boot", 0.98, {.name = "rough", .by = {}});
   CHECK(sut->begin_cycle().has_value());
   CHECK(sut->begin_cycle().has_value());
   static_cast<void>(ask("POST", "/control", {{"action", "take"}, {"why", "my shift"}}));

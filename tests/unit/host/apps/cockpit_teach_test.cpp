@@ -174,6 +174,66 @@ TEST(CockpitTeach, NothingIsPlannedWithoutAnArm) {
   refused(sut->choose_process("scan-0001", "rough", "ada"));
 }
 
+/// A yes that would come to nothing is none: it starts neither light nor arm nor the next scan.
+TEST(CockpitTeach, AYesThatTheGateWouldRefuseIsRefusedWithItsReasonAndChangesNothing) {
+  open(true);
+  memory::Scan row;
+  row.name = "scan-0001";
+  row.time = 1;
+  row.verdict = "ok";
+  row.decision = "held";
+  SUCCEEDS(sut->memory().put_scan(row, memory::LogRow{}));
+  const auto say = [&](api::Decision::Kind kind) {
+    return sut->decide({.kind = kind, .scan = "scan-0001", .who = "ada", .why = {}, .door = "web"});
+  };
+  const auto refused_for = [&](const char* reason) {
+    for (const auto kind : {api::Decision::Kind::Accept, api::Decision::Kind::Send}) {
+      const Result<void> word = say(kind);
+      refused(word);
+      STRCMP_CONTAINS(reason, to_line(word.error()).c_str());
+    }
+    const api::Json held = sut->state()["held"];
+    CHECK_FALSE(held["sendable"].get<bool>());
+    STRCMP_CONTAINS(reason, held["reason"].get<std::string>().c_str());
+    CHECK(!held["next_step"].get<std::string>().empty());
+    CHECK(!sut->next_wish());
+    STRCMP_EQUAL("held", (*sut->memory().scan("scan-0001"))->decision.c_str());
+  };
+  sut->hold("scan-0001", Cockpit::Wait::Word, -5);
+  refused_for("too old");
+  sut->hold("scan-0001", Cockpit::Wait::Word, 0);
+  refused_for("too old");
+  sut->hold("scan-0001", Cockpit::Wait::Mend);
+  refused_for("no checked path");
+  sut->hold("scan-0001", Cockpit::Wait::Model);
+  refused_for("model");
+  // What the gate would say counts whatever the age.
+  sut->hold("scan-0001", Cockpit::Wait::Word, 100,
+            report::ToldRefusal{
+                .reason_code = "messages_lost", .reason = "messages lost: 3 (0)", .next_step = "again"});
+  refused_for("messages lost");
+  STRCMP_EQUAL("messages_lost", sut->state()["held"]["reason_code"].get<std::string>().c_str());
+  // One that somebody vouched for has no age.
+  sut->hold("scan-0001", Cockpit::Wait::Word);
+  CHECK(sut->state()["held"]["sendable"].get<bool>());
+  sut->hold("scan-0001", Cockpit::Wait::Word, 100);
+  SUCCEEDS(say(api::Decision::Kind::Accept));
+  CHECK(next() == Wish::Kind::Send);
+}
+
+TEST(CockpitTeach, StateTellsTheProcessOfTheScanAndThenOfTheNextOneAndWhoseWordItIs) {
+  open(true);
+  sut->show_next({.name = "rough", .by = {}});
+  STRCMP_EQUAL("rough", sut->state()["process"].get<std::string>().c_str());
+  CHECK(sut->state()["process_by"].is_null());
+  sut->show_model("boot", 1, {.name = "cement", .by = "ada"});
+  STRCMP_EQUAL("cement", sut->state()["process"].get<std::string>().c_str());
+  STRCMP_EQUAL("ada", sut->state()["process_by"].get<std::string>().c_str());
+  // Where its model decides nobody knows before the shoe is seen.
+  sut->show_next({});
+  CHECK(sut->state()["process"].is_null());
+}
+
 TEST(CockpitTeach, StateSaysWhatWaitsForWhatAndHowLongItIsFresh) {
   open(true);
   CHECK(sut->state()["held"].is_null());

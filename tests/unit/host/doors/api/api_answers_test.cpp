@@ -44,6 +44,70 @@ TEST(ApiAnswers, AModelIsMadeToldAndTakenOutOfUse) {
   LONGS_EQUAL(404, ask("GET", "/models/boot").status);
 }
 
+/// Whatever a tab remembers: a model has the process that its scan was planned with.
+TEST(ApiAnswers, AModelTakesItsScansOwnProcessAndAnotherOneOnlyWhenThatIsSaid) {
+  put_sample("scan-0001");
+  memory::Scan scan = **memory->scan("scan-0001");
+  scan.process = "cement";
+  SUCCEEDS(memory->put_scan(scan, {}));
+  const std::string cement = text_of(std::filesystem::path{BITELINE_PROCESSES} / "cement.yaml");
+  folder.write("scan-0001/process.yaml", cement);
+  log_in("eng");
+  STRCMP_EQUAL("cement", ask("GET", "/scans/scan-0001").body["process_file"].get<std::string>().c_str());
+  const control::Answer own = ask("POST", "/models", {{"name", "own"}, {"scan", "scan-0001"}});
+  LONGS_EQUAL_TEXT(201, own.status, test::text_of(own.body).c_str());
+  STRCMP_EQUAL("cement", own.body["process"].get<std::string>().c_str());
+  CHECK_EQUAL(cement, text_of(folder.path() / "models/own/process.yaml"));
+  STRCMP_CONTAINS("saved ", cell.did.back().c_str());
+  const Json same{{"name", "same"}, {"scan", "scan-0001"}, {"process", "cement"}};
+  LONGS_EQUAL(201, ask("POST", "/models", same).status);
+  Json other{{"name", "other"}, {"scan", "scan-0001"}, {"process", "grind"}};
+  const control::Answer refused = ask("POST", "/models", other);
+  LONGS_EQUAL(409, refused.status);
+  STRCMP_CONTAINS("planned with cement, and not with grind", test::text_of(refused.body).c_str());
+  CHECK(!std::filesystem::exists(folder.path() / "models/other"));
+  other["other_process"] = true;
+  LONGS_EQUAL(201, ask("POST", "/models", other).status);
+  CHECK_EQUAL(text_of(std::filesystem::path{BITELINE_PROCESSES} / "grind.yaml"),
+              text_of(folder.path() / "models/other/process.yaml"));
+  LONGS_EQUAL(
+      400, ask("POST", "/models", {{"name", "none"}, {"scan", "scan-0001"}, {"other_process", true}}).status);
+
+  // Saved anew under the same name since it was planned: what was looked at is what the model gets.
+  folder.write("processes/cement.yaml", cement + "# anew\n");
+  LONGS_EQUAL(
+      409, ask("POST", "/models", {{"name", "anew"}, {"scan", "scan-0001"}, {"process", "cement"}}).status);
+  LONGS_EQUAL(201, ask("POST", "/models", {{"name", "anew"}, {"scan", "scan-0001"}}).status);
+  CHECK_EQUAL(cement, text_of(folder.path() / "models/anew/process.yaml"));
+  CHECK(ask("GET", "/scans/scan-0001").body["process_file"].is_null());
+
+  // Of an older program nothing lies beside the scan; its row still knows the name.
+  std::filesystem::remove(folder.path() / "scan-0001/process.yaml");
+  LONGS_EQUAL(409,
+              ask("POST", "/models", {{"name", "old"}, {"scan", "scan-0001"}, {"process", "grind"}}).status);
+  const control::Answer old = ask("POST", "/models", {{"name", "old"}, {"scan", "scan-0001"}});
+  LONGS_EQUAL(201, old.status);
+  STRCMP_EQUAL("cement", old.body["process"].get<std::string>().c_str());
+  scan.process = "not-there";
+  SUCCEEDS(memory->put_scan(scan, {}));
+  LONGS_EQUAL(409, ask("POST", "/models", {{"name", "gone"}, {"scan", "scan-0001"}}).status);
+}
+
+TEST(ApiAnswers, AStartThatSaysNothingOfTheProcessKeepsWhatAPersonChose) {
+  log_in("eng");
+  LONGS_EQUAL(200, ask("POST", "/control", {{"action", "take"}}).status);
+  const auto kept = [&](Json body) {
+    LONGS_EQUAL(202, ask("POST", "/commands/start", std::move(body)).status);
+    return cell.job.keep_process;
+  };
+  CHECK(kept({}));
+  CHECK(kept({{"hold", true}}));
+  CHECK_FALSE(kept({{"process", ""}}));
+  CHECK_FALSE(kept({{"process", "grind"}}));
+  // A model is named for its own process.
+  CHECK_FALSE(kept({{"model", "boot"}}));
+}
+
 TEST(ApiAnswers, AModelGoesOutAsAFileAndComesBackInPieces) {
   put_sample("scan-0001");
   log_in("eng");

@@ -20,6 +20,7 @@ struct FakeCell final : Cell {
   std::filesystem::path results{};  ///< of the scan that is worked out again
   Result<void> next{};
   std::uint64_t stops{99};  ///< of the last order
+  Job job{};                ///< of the last start
 
   Json state() override {
     Json lamps;
@@ -35,6 +36,7 @@ struct FakeCell final : Cell {
   Result<void> start(const Job& job, const Speaker& who) override {
     stops = who.stops;
     did.push_back("start " + who.name + " " + job.process + (job.hold ? " held" : ""));
+    this->job = job;
     return next;
   }
   Result<void> rescan(const Rescan& order) override {
@@ -99,6 +101,9 @@ struct FakeCell final : Cell {
     stops = who.stops;
     did.push_back("air " + scan + " " + who.name);
     return next;
+  }
+  void model_saved(const std::string& process_sha256, const std::string& who) override {
+    did.push_back("saved " + process_sha256.substr(0, 8) + " " + who);
   }
   Result<int> rerun(const RerunOrder& order) override {
     did.push_back("rerun " + order.scan + " " + order.who + " " + test::text_of(settings_json(order)));

@@ -298,8 +298,9 @@ TEST(Memory, ShoesOfBeforeTheOutboxAreInItOnce) {
       SUCCEEDS(memory.put_scan(scan_named(name, 1000), by_service("result")));
     // As the first version left it.
     auto database = Database::open(file, Database::Access::ReadWrite);
-    SUCCEEDS(database->execute(
-        "DROP TABLE outbox; DELETE FROM settings WHERE key = 'outbox'; PRAGMA user_version = 1"));
+    SUCCEEDS(
+        database->execute("DROP TABLE outbox; DROP TABLE scan_evidence; DELETE FROM settings WHERE key = "
+                          "'outbox'; PRAGMA user_version = 1"));
   }
   CHECK(!Outbox::open(file));
   Memory memory = opened();
@@ -362,6 +363,40 @@ TEST(Memory, LogIsInTheOrderOfItsTimesAndPagesMissNoRow) {
   for (std::size_t i = 1; i < all.size(); ++i)
     CHECK(all[i - 1].time > all[i].time || (all[i - 1].time == all[i].time && all[i - 1].id > all[i].id));
   LONGS_EQUAL(3, memory.log_rows(0, 10, 5000, 9000)->size());
+}
+
+/// It says nothing of a shoe; a stop while the arm follows does, as the line was found.
+TEST(Memory, TrendsLeaveOutWhatAPersonStoppedOnItsWay) {
+  Memory memory = opened();
+  Scan stopped = scan_named("scan-0001", 20'000 * k_day_ms, "refused");
+  stopped.reason_code = k_stopped_by_a_person;
+  Scan followed = scan_named("scan-0002", 20'000 * k_day_ms + 1, "ok");
+  followed.reason_code = k_stopped_by_a_person;
+  Scan refused = scan_named("scan-0003", 20'000 * k_day_ms + 2, "refused");
+  refused.reason_code = "no_crease";
+  for (const Scan& scan : {stopped, followed, refused}) SUCCEEDS(memory.put_scan(scan, by_service("result")));
+  const auto trends = memory.trends({}, k_day_ms);
+  SUCCEEDS(trends);
+  LONGS_EQUAL(1, trends->buckets.size());
+  LONGS_EQUAL(2, trends->buckets[0].scans);
+  LONGS_EQUAL(1, trends->buckets[0].refused);
+  LONGS_EQUAL(2, trends->reasons.size());
+  for (const ReasonCount& reason : trends->reasons) LONGS_EQUAL(1, reason.scans);
+  // Its row stays in the list.
+  LONGS_EQUAL(3, memory.scans({})->scans.size());
+}
+
+TEST(Memory, EvidenceOfAScanIsKeptWithItsRowAndTheNewestCounts) {
+  Memory memory = opened();
+  CHECK(!memory.put_evidence("scan-0001", {.line = "ab"}));
+  SUCCEEDS(memory.put_scan(scan_named("scan-0001", 1), by_service("result")));
+  CHECK(*memory.evidence("scan-0001") == std::nullopt);
+  SUCCEEDS(memory.put_evidence("scan-0001", {.line = "ab", .cloud = "cd", .process = "", .report = "ef"}));
+  const Evidence newest{.line = "gh", .cloud = "cd", .process = "ij", .report = "kl"};
+  SUCCEEDS(memory.put_evidence("scan-0001", newest));
+  // A row that is written again keeps it.
+  SUCCEEDS(memory.put_scan(scan_named("scan-0001", 2), by_service("result")));
+  CHECK(*memory.evidence("scan-0001") == newest);
 }
 
 }  // namespace biteline::memory

@@ -109,6 +109,23 @@ const std::vector<Change>& bad_changes() {
        Refused::NotAsTaught},
       {"table taught anew", [](GateInputs& in) { in.result.table_from_taught_mm = 0.2; },
        Refused::NotAsTaught},
+      {"another line", [](GateInputs& in) { in.files.line = {.written = "ab", .now = "cd"}; },
+       Refused::FilesChanged},
+      {"no line any more", [](GateInputs& in) { in.files.line = {.written = "ab", .now = ""}; },
+       Refused::FilesChanged},
+      {"a line that cannot be read", [](GateInputs& in) { in.files.line.written = "ab"; },
+       Refused::FilesChanged},
+      {"another cloud", [](GateInputs& in) { in.files.cloud = {.written = "ab", .now = "cd"}; },
+       Refused::FilesChanged},
+      {"another report", [](GateInputs& in) { in.files.report = {.written = "ab", .now = "cd"}; },
+       Refused::FilesChanged},
+      {"another process", [](GateInputs& in) { in.files.process = {.written = "ab", .now = "cd"}; },
+       Refused::FilesChanged},
+      {"another line, scan confirmed",
+       [](GateInputs& in) {
+         in.files.line = {.written = "ab", .now = "cd"}, in.scan.confirmed = Word{"a", "b"};
+       },
+       Refused::FilesChanged},
       {"arm not held", [](GateInputs& in) { in.arm.held = false; }, Refused::ArmNotHeld}};
   return k_changes;
 }
@@ -131,6 +148,44 @@ TEST_GROUP(Gate) {
 
 TEST(Gate, EveryCodeHasItsRow) {
   biteline::test::check_refusal_table(Refused::ArmNotHeld);
+}
+
+TEST(Gate, FilesThatAreAsTheyWereWrittenPassAndStandInTheTable) {
+  GateInputs inputs = test::good_inputs();
+  const std::size_t rows = judge(inputs).size();
+  const FileFacts same{.written = "0123456789abcdef", .now = "0123456789abcdef"};
+  inputs.files = {.line = same, .cloud = same, .report = same, .process = same};
+  CHECK(opens(inputs));
+  LONGS_EQUAL(rows + 4, judge(inputs).size());
+  SUCCEEDS(write_gate(file(), inputs));
+  const auto read = read_gate(file());
+  SUCCEEDS(read);
+  STRCMP_EQUAL("0123456789abcdef", read->inputs.files.process.now->c_str());
+}
+
+/// Nobody shall go and mend what nobody has looked at, and nothing is sent that nobody has looked at.
+TEST(Gate, RowsOfAnArmThatWasNotAskedAreNotFailedAndLetNothingThrough) {
+  GateInputs inputs = test::good_inputs();
+  inputs.arm.asked = true;
+  CHECK(opens(inputs));
+  inputs.arm.asked = false;
+  CHECK_FALSE(opens(inputs));
+  inputs.scan.age_s = 500;
+  inputs.arm.told_remote.reset();
+  inputs.result.path_passed = false;
+  int failed = 0, not_looked_at = 0;
+  for (const GateRow& row : judge(inputs)) {
+    failed += row.state == GateRow::State::Failed ? 1 : 0;
+    not_looked_at += row.state == GateRow::State::NotLookedAt ? 1 : 0;
+    if (row.state == GateRow::State::Failed) CHECK(row.code == Refused::ScanTooOld);
+  }
+  LONGS_EQUAL(1, failed);
+  LONGS_EQUAL(5, not_looked_at);
+  CHECK(failures(judge(inputs)).find("remote") == std::string::npos);
+  SUCCEEDS(write_gate(file(), inputs));
+  const auto read = read_gate(file());
+  SUCCEEDS(read);
+  CHECK(read->inputs.arm.asked == false);
 }
 
 TEST(Gate, OpensWhenEverythingHolds) {

@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: MIT
+// What the next shoe is worked with, and whose word that is: one answer for page, row, path and arm.
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "host/apps/biteline-host/service.hpp"
+#include "host/apps/biteline-host/service_words.hpp"
+#include "host/records/report/json_text.hpp"
+#include "host/records/report/report.hpp"
+#include "host/transfer/library.hpp"
+
+namespace biteline::service {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr const char* k_order_key = "next_scans";
+/// Files and releases may change while nothing is in work.
+constexpr Nanoseconds k_between_orders{2'000'000'000};
+
+std::string field_of(const Json& json, const char* key) {
+  const auto found = json.find(key);
+  return found != json.end() && found->is_string() ? found->get<std::string>() : std::string{};
+}
+
+}  // namespace
+
+Service::Ordered Service::ordered() const {
+  const std::lock_guard lock{*job_mutex_};
+  return ordered_;
+}
+
+void Service::order(Ordered ordered) {
+  const std::string process = ordered.job.process, who = ordered.who;
+  const Json json{{"model", ordered.job.model},
+                  {"process", ordered.job.process},
+                  {"who", ordered.who},
+                  {"taught", ordered.taught},
+                  {"taught_model", ordered.model},
+                  {"sha256", ordered.sha256},
+                  {"beside", robot_ ? robot_->process.sha256 : ""}};
+  Ordered before;
+  {
+    const std::lock_guard lock{*job_mutex_};
+    before = std::exchange(ordered_, std::move(ordered));
+    next_shown_ = {};
+  }
+  const std::string text = report::to_text(json);
+  const Result<std::optional<std::string>> kept = cockpit_->memory().setting(k_order_key);
+  const bool nothing = process.empty() && json["model"] == "";
+  if (kept && (*kept ? **kept == text : nothing)) return;
+  const Result<void> put = cockpit_->memory().put_setting(k_order_key, text,
+                                                          {.id = 0,
+                                                           .time = memory::now_ms(),
+                                                           .who = who.empty() ? "service" : who,
+                                                           .door = {},
+                                                           .action = "next scans",
+                                                           .subject = "cell",
+                                                           .before = before.job.process,
+                                                           .after = process});
+  if (!put) complain(put.error());
+}
+
+void Service::order_by(const Wish& start) {
+  Ordered next = ordered();
+  if (start.job.keep_process && !next.job.process.empty()) {
+    next.job.model = start.job.model;
+  } else {
+    next = {.job = start.job, .who = start.who};
+  }
+  order(std::move(next));
+}
+
+void Service::order_taught(const std::string& process, const Chosen& chosen) {
+  order({.job = {.model = {}, .process = process},
+         .who = chosen.process_by,
+         .taught = true,
+         .model = chosen.model,
+         .sha256 = taken_of(chosen).sha256});
+}
+
+void Service::order_is_saved(const Wish& saved) {
+  const Ordered now = ordered();
+  // Where no model is recognised it would be worked with the service's own process instead.
+  if (now.taught && options_.models && now.sha256 == saved.why) order({});
+}
+
+void Service::take_up_order() {
+  if (!robot_) return;
+  const Result<std::optional<std::string>> kept = cockpit_->memory().setting(k_order_key);
+  if (!kept) return complain(kept.error());
+  if (!*kept) return;
+  const Json json = Json::parse(**kept, nullptr, false);
+  if (!json.is_object()) return;
+  Ordered before{.job = {.model = field_of(json, "model"), .process = field_of(json, "process")},
+                 .who = field_of(json, "who"),
+                 .taught = json.value("taught", Json(false)) == true,
+                 .model = field_of(json, "taught_model"),
+                 .sha256 = field_of(json, "sha256")};
+  if (before.job.process.empty() && before.job.model.empty()) return;
+  // Another --process than then is the newer word.
+  if (field_of(json, "beside") != robot_->process.sha256) {
+    say_step("the process of the last start (%s, by %s) ends here: --process is another one",
+             before.job.process.c_str(), before.who.c_str());
+    return order({});
+  }
+  say_step("goes on with %s%s%s, as %s said: a start that names another ends it",
+           before.job.process.empty() ? "the model " : "the process ",
+           before.job.process.empty() ? before.job.model.c_str() : before.job.process.c_str(),
+           before.job.process.empty() || before.job.model.empty() ? "" : " and its model",
+           before.who.c_str());
+  const std::lock_guard lock{*job_mutex_};
+  ordered_ = std::move(before);
+}
+
+void Service::show_next_process() {
+  if (!robot_) return;
+  {
+    const std::lock_guard lock{*job_mutex_};
+    if (next_shown_ != HostClock::time_point{} && now() - next_shown_ < k_between_orders) return;
+    next_shown_ = now();
+  }
+  const Ordered next = ordered();
+  Chosen chosen;
+  chosen.model = carrier_ ? std::string{} : next.job.model;
+  chosen.process_name = carrier_ ? std::string{} : next.job.process;
+  // Nobody knows before the shoe is seen.
+  const bool by_model = !carrier_ && options_.models && chosen.model.empty() && chosen.process_name.empty();
+  if (by_model) return cockpit_->show_next({});
+  // One that cannot be read is told by the scan that would be worked with it.
+  if (const Result<void> release = choose_release(chosen); release) static_cast<void>(choose_process(chosen));
+  cockpit_->show_next({chosen.process_name, next.job.process.empty() || carrier_ ? "" : next.who});
+}
+
+void Service::look_at_other_process(Chosen& chosen) const {
+  if (!robot_ || !chosen.taught || !chosen.process || chosen.model.empty()) return;
+  if (chosen.model == chosen.taught_model) return;
+  const fs::path own = stock_for(chosen).models.path_of(chosen.model) / transfer::k_process_file;
+  std::error_code error;
+  std::string name = robot_->process.process.name, sha256 = robot_->process.sha256;
+  if (fs::exists(own, error)) {
+    const Result<TakenProcess> taken = take_process(own);
+    name = taken ? taken->process.name : "one that cannot be read";
+    sha256 = taken ? taken->sha256 : "";
+  }
+  if (sha256 == chosen.process->sha256) return;
+  chosen.other_process = "the process of " + chosen.model + " is " + name + ", and " + chosen.process_by +
+                         " took " + chosen.process_name + " for the shoe before";
+}
+
+Result<void> Service::keep_process(const fs::path& folder, const Chosen& chosen) const {
+  return report::write_file_atomically(folder / transfer::k_process_file, taken_of(chosen).text);
+}
+
+}  // namespace biteline::service
