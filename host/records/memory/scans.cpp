@@ -155,9 +155,10 @@ Result<void> Memory::put_evidence(const std::string& scan, const Evidence& evide
 
 Result<std::optional<Evidence>> Memory::evidence(const std::string& scan) const {
   const std::lock_guard lock{*mutex_};
-  BITELINE_ASSIGN(Statement row,
-                  database_->prepare("SELECT line, cloud, process, report FROM scan_evidence JOIN scans ON "
-                                     "scan = id WHERE name = ?"));
+  BITELINE_ASSIGN(
+      Statement row,
+      database_->prepare("SELECT e.line, e.cloud, e.process, e.report FROM scan_evidence e JOIN scans ON "
+                         "scan = id WHERE name = ?"));
   row.bind(scan);
   BITELINE_ASSIGN(const bool found, row.step());
   if (!found) return std::optional<Evidence>{};
