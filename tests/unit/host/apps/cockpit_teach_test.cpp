@@ -208,7 +208,7 @@ TEST(CockpitTeach, AYesThatTheGateWouldRefuseIsRefusedWithItsReasonAndChangesNot
   sut->hold("scan-0001", Cockpit::Wait::Model);
   refused_for("model");
   // What the gate would say counts whatever the age.
-  sut->hold("scan-0001", Cockpit::Wait::Word, 100,
+  sut->hold("scan-0001", Cockpit::Wait::Word, 100, {},
             report::ToldRefusal{
                 .reason_code = "messages_lost", .reason = "messages lost: 3 (0)", .next_step = "again"});
   refused_for("messages lost");
