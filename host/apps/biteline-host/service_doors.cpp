@@ -156,7 +156,8 @@ void Service::go_on_with_held(const Wish& wish, const char* words, Work work) {
 void Service::heed(const Wish& wish) {
   // What was said before a stop is over.
   const bool of_person = wish.kind != Wish::Kind::Stop && wish.kind != Wish::Kind::LaserOff &&
-                         wish.kind != Wish::Kind::Settings && wish.kind != Wish::Kind::Keep;
+                         wish.kind != Wish::Kind::Settings && wish.kind != Wish::Kind::Keep &&
+                         wish.kind != Wish::Kind::Saved;
   if (of_person && wish.mark.stopped()) return cockpit_->drop(wish);
   switch (wish.kind) {
     case Wish::Kind::Stop:

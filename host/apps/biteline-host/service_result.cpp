@@ -53,7 +53,7 @@ void Service::close_result(const fs::path& folder, Chosen chosen) {
   } else if (robot_ && process_of(chosen).gate.automatic_above) {
     decision = "automatic";
   }
-  remember(folder, decision, chosen);
+  remember(folder, decision, chosen, {});
   if (const Result<void> room = make_room(); !room) complain(room.error());
 }
 
@@ -391,7 +391,7 @@ Result<ExitStatus> Service::plan_mended(Held held) {
   const Result<ExitStatus> status = without_exceptions([&] { return plan_anew(held); });
   // Also without a path: it can be mended again, or rejected.
   held_.emplace(std::move(held));
-  remember(held_->folder, "held", held_->chosen);
+  remember(held_->folder, "held", held_->chosen, {});
   return status;
 }
 
@@ -451,6 +451,11 @@ Result<ExitStatus> Service::send_held(Held held, const robot::Word& word) {
     BITELINE_ASSIGN(held.request.mounted, mounted());
     return follow_path(held.folder, held.plan, held.request);
   });
+  if (!was_sent(held.folder) && held.request.mark.stopped()) {
+    end_recording(held.intake, ExitStatus::Refused);
+    remember(held.folder, "open", held.chosen, {.stopped = true});
+    return status;
+  }
   if (!was_sent(held.folder)) {
     // A yes that came to nothing starts nothing else: neither light nor the next scan.
     const std::string failed = status ? std::string{} : to_line(status.error());
@@ -460,7 +465,7 @@ Result<ExitStatus> Service::send_held(Held held, const robot::Word& word) {
     return status;
   }
   end_recording(held.intake, ExitStatus::Done);
-  remember(held.folder, "accepted", held.chosen);
+  remember(held.folder, "accepted", held.chosen, {});
   return status;
 }
 

@@ -32,7 +32,7 @@ Result<ExitStatus> Service::plan_with(Held held, const std::string& process, con
   held_.emplace(std::move(held));
   cockpit_->show_model(held_->chosen.model, held_->chosen.probability,
                        {held_->chosen.process_name, held_->chosen.process_by});
-  remember(held_->folder, "held", held_->chosen);
+  remember(held_->folder, "held", held_->chosen, {});
   return status;
 }
 
@@ -92,7 +92,7 @@ Result<ExitStatus> Service::run_in_air(Held held, const robot::Word& word) {
       complain(told.error());
   }
   held_.emplace(std::move(held));
-  remember(held_->folder, "held", held_->chosen);
+  remember(held_->folder, "held", held_->chosen, {});
   return status;
 }
 
