@@ -20,13 +20,10 @@ constexpr float k_spacing_mm = 0.8F;
 constexpr std::size_t k_many_places = 60, k_many_profiles = 25;
 constexpr double k_well_mm = 0.05;
 
-struct Thinned {
-  std::vector<Eigen::Vector3f> points;
-  std::vector<std::uint32_t> profile;
-};
-Thinned thinned(const drift::ScanView& scan, float spacing_mm) {
-  Thinned thin;
+ProfilePoints thinned(const drift::ScanView& scan, float spacing_mm) {
+  ProfilePoints thin;
   for (std::size_t i = 0; i < scan.points_base.size(); ++i) {
+    if (!scan.points_base[i].allFinite()) continue;
     const bool next = thin.profile.empty() || scan.profile[i] != thin.profile.back() ||
                       !((scan.points_base[i] - thin.points.back()).squaredNorm() < spacing_mm * spacing_mm);
     if (!next) continue;
@@ -106,10 +103,9 @@ class Looks {
     for (const PictureMove move : k_picture_moves) {
       // Of half the scale they lie half as far apart.
       const bool halved = move == PictureMove::Halved;
-      const Thinned came = halved ? thinned(whole_, k_spacing_mm / 2) : Thinned{};
-      const drift::ScanView as_came = view(halved ? came : thin_);
-      const std::vector<Eigen::Vector3f> points = taken_back(as_came, head_, move);
-      const drift::ScanView back{points, as_came.profile, as_came.poses};
+      const ProfilePoints came = halved ? thinned(whole_, k_spacing_mm / 2) : ProfilePoints{};
+      const ProfilePoints placed = taken_back(view(halved ? came : thin_), head_, move);
+      const drift::ScanView back = view(placed);
       Explained tried{.move = move, .agreement = agreement(back)};
       const Agreement& found = tried.agreement;
       // A plane stays one at another scale.
@@ -133,8 +129,8 @@ class Looks {
       by = told.moved_statistic[1] < told.moved_statistic[0] ? 0 : 1;
       px[by] += std::clamp(told.moved_px[by], -k_most_step, k_most_step);
       if (!(px.norm() < k_most_px)) return std::nullopt;
-      const std::vector<Eigen::Vector3f> points = place_taken_back(view(thin_), head_, px);
-      told = agreement({points, thin_.profile, whole_.poses});
+      const ProfilePoints placed = place_taken_back(view(thin_), head_, px);
+      told = agreement(view(placed));
     }
     if (!told.enough() || told.contradicts()) return std::nullopt;
     px[by] += told.moved_px[by];
@@ -147,12 +143,10 @@ class Looks {
     return agreement_of(crossings, crossings.empty() ? 0 : arm_sigma_mm(scan, known_));
   }
 
-  [[nodiscard]] drift::ScanView view(const Thinned& thin) const {
-    return {thin.points, thin.profile, whole_.poses};
-  }
+  [[nodiscard]] drift::ScanView view(const ProfilePoints& points) const { return points.view(whole_.poses); }
 
   const drift::ScanView& whole_;
-  Thinned thin_;
+  ProfilePoints thin_;
   const geometry::SensorModel& head_;
   HeadSpread spread_;
   const KnownBefore& known_;

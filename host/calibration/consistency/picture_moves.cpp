@@ -1,23 +1,20 @@
 // SPDX-License-Identifier: MIT
 #include "host/calibration/consistency/picture_moves.hpp"
 
-#include <limits>
-
 namespace biteline::consistency {
 namespace {
 
 /// `pixel`: where the stripe should have come in the region, by where it came.
 template <typename Pixel>
-std::vector<Eigen::Vector3f> placed_anew(const drift::ScanView& scan, const geometry::SensorModel& head,
-                                         const Pixel& pixel) {
-  constexpr float k_nowhere = std::numeric_limits<float>::quiet_NaN();
-  std::vector<Eigen::Vector3f> points(scan.points_base.size(), Eigen::Vector3f::Constant(k_nowhere));
+ProfilePoints placed_anew(const drift::ScanView& scan, const geometry::SensorModel& head,
+                          const Pixel& pixel) {
+  ProfilePoints placed;
   const std::vector<std::uint32_t> frames = drift::frames_of(scan);
   const geometry::Region& region = head.region;
   const Vec2 corner(region.offset_u_px, region.offset_v_px);
   std::uint32_t frame = drift::k_no_frame;
   SE3 T_base_cam{SE3::Identity()}, T_cam_base{SE3::Identity()};
-  for (std::size_t i = 0; i < points.size(); ++i) {
+  for (std::size_t i = 0; i < scan.points_base.size(); ++i) {
     if (frames[i] == drift::k_no_frame) continue;
     if (frames[i] != frame) {
       frame = frames[i];
@@ -29,9 +26,11 @@ std::vector<Eigen::Vector3f> placed_anew(const drift::ScanView& scan, const geom
     const Vec2 at = pixel(Vec2{head.camera.project(point_cam) - corner});
     if (!(at.minCoeff() > -1) || !(at.x() < region.width_px) || !(at.y() < region.height_px)) continue;
     const Vec3 moved = geometry::triangulate(head.camera, head.laser_plane, at + corner);
-    if (moved.allFinite() && moved.z() > 1) points[i] = (T_base_cam * moved).cast<float>();
+    if (!moved.allFinite() || !(moved.z() > 1)) continue;
+    placed.points.push_back((T_base_cam * moved).cast<float>());
+    placed.profile.push_back(scan.profile[i]);
   }
-  return points;
+  return placed;
 }
 
 }  // namespace
@@ -50,8 +49,7 @@ std::string_view words_of(PictureMove move) {
   return "";
 }
 
-std::vector<Eigen::Vector3f> taken_back(const drift::ScanView& scan, const geometry::SensorModel& head,
-                                        PictureMove move) {
+ProfilePoints taken_back(const drift::ScanView& scan, const geometry::SensorModel& head, PictureMove move) {
   const Vec2 last(head.region.width_px - 1, head.region.height_px - 1);
   return placed_anew(scan, head, [&](const Vec2& at) -> Vec2 {
     switch (move) {
@@ -68,8 +66,8 @@ std::vector<Eigen::Vector3f> taken_back(const drift::ScanView& scan, const geome
   });
 }
 
-std::vector<Eigen::Vector3f> place_taken_back(const drift::ScanView& scan, const geometry::SensorModel& head,
-                                              const Vec2& px) {
+ProfilePoints place_taken_back(const drift::ScanView& scan, const geometry::SensorModel& head,
+                               const Vec2& px) {
   // A moved region holds places that this one has not.
   geometry::SensorModel whole = head;
   constexpr int k_more = 200;

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -19,13 +20,21 @@ inline constexpr std::array k_picture_moves{PictureMove::Mirrored, PictureMove::
 /// "mirrored left to right": after "as if the pictures were".
 [[nodiscard]] std::string_view words_of(PictureMove move);
 
-/// The scan's points with the move taken back; not finite where the picture has no such place.  They belong
-/// to the view's own profiles and poses.
-[[nodiscard]] std::vector<Eigen::Vector3f> taken_back(const drift::ScanView& scan,
-                                                      const geometry::SensorModel& head, PictureMove move);
+/// Points of profiles, by these' numbers.
+struct ProfilePoints {
+  std::vector<Eigen::Vector3f> points;
+  std::vector<std::uint32_t> profile;
+
+  [[nodiscard]] drift::ScanView view(std::span<const drift::PosedProfile> poses) const {
+    return {points, profile, poses};
+  }
+};
+
+/// The scan's points with the move taken back, without those of which the picture has no such place.
+[[nodiscard]] ProfilePoints taken_back(const drift::ScanView& scan, const geometry::SensorModel& head,
+                                       PictureMove move);
 /// The same of pictures whose stripe came `px` beside where it should: columns, rows.
-[[nodiscard]] std::vector<Eigen::Vector3f> place_taken_back(const drift::ScanView& scan,
-                                                            const geometry::SensorModel& head,
-                                                            const Vec2& px);
+[[nodiscard]] ProfilePoints place_taken_back(const drift::ScanView& scan, const geometry::SensorModel& head,
+                                             const Vec2& px);
 
 }  // namespace biteline::consistency
