@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 struct CaptureCheckOptions {
   fs::path cloud, out, history;
-  std::optional<cloud::Unit> unit;
+  cloud::Reading reading;
   std::optional<double> ball_mm, step_mm;
   double limit_mm{0.1};
 };
@@ -62,8 +62,9 @@ Result<ExitStatus> check(const CaptureCheckOptions& options, const GlobalOptions
   if (options.ball_mm.has_value() == options.step_mm.has_value())
     return fail(Errc::InvalidArgument, "capture check: --ball or --step expected, one of them");
   report::Report report;
-  BITELINE_ASSIGN(const cloud::CloudFile file,
-                  report.timed("read", [&] { return cloud::read_cloud_file(options.cloud, options.unit); }));
+  BITELINE_ASSIGN(const cloud::CloudFile file, report.timed("read", [&] {
+    return cloud::read_cloud_file(options.cloud, options.reading);
+  }));
   std::vector<Vec3> points;
   points.reserve(file.cloud.size());
   for (const Eigen::Vector3f& point : file.cloud.points) points.push_back(point.cast<double>());
@@ -104,7 +105,7 @@ void add_capture_check(options::Command& capture, Context& context) {
   options::Command* command = capture.add_subcommand(
       "check", "A piece of known size in a scan: is what the scan says within a limit?");
   command->add_option("CLOUD", options->cloud, std::string{"The scan's cloud: "} + k_cloud_kinds)->required();
-  add_unit_option(*command, options->unit);
+  add_reading_options(*command, options->reading);
   command->add_option("--ball", options->ball_mm, "A ball of this diameter")
       ->check(options::number({.minimum = 1, .maximum = 1000}, "mm"));
   command->add_option("--step", options->step_mm, "A step of this height between two parallel faces")

@@ -220,7 +220,8 @@ void print(const std::vector<Finding>& findings, const std::vector<Ability>& abi
   }
 }
 
-nlohmann::ordered_json as_json(const std::vector<Finding>& findings, const std::vector<Ability>& abilities) {
+nlohmann::ordered_json findings_json(const std::vector<Finding>& findings,
+                                     const std::vector<Ability>& abilities) {
   nlohmann::ordered_json json{{"findings", nlohmann::ordered_json::array()},
                               {"abilities", nlohmann::ordered_json::array()}};
   for (const Finding& f : findings)
@@ -256,7 +257,7 @@ void add_doctor(options::Command& app, Context& context) {
       if (!robot->empty()) findings.push_back(ask_robot(*robot));
       const std::vector<Ability> abilities = abilities_of(findings);
       if (context.options.json) {
-        std::printf("%s\n", report::to_text(as_json(findings, abilities)).c_str());
+        std::printf("%s\n", report::to_text(findings_json(findings, abilities)).c_str());
       } else {
         print(findings, abilities);
       }
