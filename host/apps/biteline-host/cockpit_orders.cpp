@@ -247,10 +247,9 @@ Result<void> Cockpit::decide(const api::Decision& decision) {
 Result<void> Cockpit::look_at_files(const std::string& scan) const {
   BITELINE_ASSIGN(const std::optional<memory::Evidence> written, memory_.evidence(scan));
   if (!written) return {};
-  BITELINE_ASSIGN(const std::optional<memory::Scan> row, memory_.scan(scan));
-  BITELINE_ASSIGN(const std::optional<std::string> why,
-                  evidence::why_not(config_.results / scan, *written, row ? row->line_version : 0));
-  if (why) return fail(Errc::WrongState, "%s: %s", scan.c_str(), why->c_str());
+  BITELINE_ASSIGN(const memory::Evidence now, evidence::of_folder(config_.results / scan));
+  if (const auto changed = evidence::change(*written, now))
+    return fail(Errc::WrongState, "%s: %s", scan.c_str(), changed->c_str());
   return {};
 }
 

@@ -349,18 +349,11 @@ Result<void> Service::look_at_files(Held& held) {
   const std::string name = held.folder.filename().string();
   // The newest, also of a mend in the page.
   BITELINE_ASSIGN(const std::optional<memory::Evidence> kept, cockpit_->memory().evidence(name));
-  BITELINE_ASSIGN(const std::optional<memory::Scan> row, cockpit_->memory().scan(name));
   memory::Evidence written = kept.value_or(held.chosen.written);
   written.process = taken_of(held.chosen).sha256;
   BITELINE_ASSIGN(const memory::Evidence now, evidence::of_folder(held.folder));
-  const int known = row ? row->line_version : 0;
-  if (const auto mended = evidence::mended_since(held.folder, written, now, known)) {
-    say_step("%s: takes over %s", name.c_str(), mended->c_str());
-    written.line = now.line;
-    written.report = now.report;
-  } else if (const auto changed = evidence::change(written, now)) {
+  if (const auto changed = evidence::change(written, now))
     return fail(Errc::WrongState, "%s: %s", name.c_str(), changed->c_str());
-  }
   held.chosen.written = held.request.written = written;
   held.request.process_file = taken_of(held.chosen).file;
   return {};

@@ -52,25 +52,13 @@ std::optional<std::string> change(const memory::Evidence& written, const memory:
 
 std::optional<std::string> mended_since(const fs::path& scan, const memory::Evidence& written,
                                         const memory::Evidence& now, int known) {
-  // A mend writes line and report anew, and nothing else of these.
-  if (now.line == written.line || now.line.empty() || now.cloud != written.cloud ||
-      now.process != written.process)
-    return std::nullopt;
+  // A mend writes line and report anew, and nothing else of these; the line may come out as it was.
+  if (now.line.empty() || now.cloud != written.cloud || now.process != written.process) return std::nullopt;
   const Result<std::vector<mend::Version>> versions = mend::read_versions(scan);
   if (!versions || versions->back().version <= known || versions->back().sha256 != now.line)
     return std::nullopt;
   const mend::Version& newest = versions->back();
   return "version " + std::to_string(newest.version) + " of the line, by " + newest.who;
-}
-
-Result<std::optional<std::string>> why_not(const fs::path& scan, const memory::Evidence& written,
-                                           int known_version) {
-  BITELINE_ASSIGN(const memory::Evidence now, of_folder(scan));
-  if (const auto mended = mended_since(scan, written, now, known_version)) {
-    return std::optional{*mended +
-                         ", is newer than its path: choose its process again, so that it is planned"};
-  }
-  return change(written, now);
 }
 
 }  // namespace biteline::evidence

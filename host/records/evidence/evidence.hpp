@@ -19,15 +19,10 @@ namespace biteline::evidence {
 /// as unchanged.
 [[nodiscard]] std::optional<std::string> change(const memory::Evidence& written, const memory::Evidence& now);
 
-/// line.csv is a version newer than `known` that somebody made with `biteline line edit`: who and which, in
-/// words.  A line that another program wrote is none.
+/// line.csv is a version newer than `known` that somebody made with `biteline line edit`, as it works in the
+/// folder while no service does: who and which, in words.  A line that another program wrote is none.
 [[nodiscard]] std::optional<std::string> mended_since(const std::filesystem::path& scan,
                                                       const memory::Evidence& written,
                                                       const memory::Evidence& now, int known);
-
-/// Why a path that was planned of `written` may not go to the arm; nothing: what lies there is what was
-/// written.
-[[nodiscard]] Result<std::optional<std::string>> why_not(const std::filesystem::path& scan,
-                                                         const memory::Evidence& written, int known_version);
 
 }  // namespace biteline::evidence

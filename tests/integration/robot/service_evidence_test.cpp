@@ -129,23 +129,37 @@ TEST(ServiceEvidence, CloudReportAndProcessAreToldByNameToo) {
   }
 }
 
-/// `biteline line edit` is a person's word with who and why; what it wrote is planned before it may be sent.
-TEST(ServiceEvidence, ALineThatLineEditMadeIsAVersionOfItsOwnAndItsPathIsPlannedFirst) {
+/// `biteline line edit`, while no service runs, is a person's version with who and why; a text editor's is
+/// none.
+TEST(ServiceEvidence, ALineThatLineEditMadeIsMendedOnAndOneOfATextEditorIsNot) {
   hold();
-  auto edit = ChildProcess::start(
-      {.program = host_program().parent_path() / "biteline",
-       .arguments = {"line", "edit", scan.string(), "--candidate", "1", "--why", "tried"}});
+  ::kill(host->pid(), SIGKILL);
+  SUCCEEDS(host->wait(k_patience));
+  auto edit =
+      ChildProcess::start({.program = host_program().parent_path() / "biteline",
+                           .arguments = {"line", "edit", scan.string(), "--candidate", "1", "--why", "tried"},
+                           .pass_stderr = true});
   SUCCEEDS(edit);
   const auto [status, said] = end_of(*edit);
   LONGS_EQUAL_TEXT(static_cast<int>(ExitStatus::Done), status, said.c_str());
-  not_accepted("version 1 of the line");
-  const control::Json row = take_process();
-  CHECK_TEXT(row["reason_code"].is_null(), test::text_of(row).c_str());
-  LONGS_EQUAL(1, row["line_version"].get<int>());
-  CHECK(page->ask("GET", "/state").body["held"]["sendable"].get<bool>());
-  // A text editor behind it is none.
+  host.emplace(start(holding(), {}));
+  page.emplace(address_told(*host));
+  page->token = page->ask("POST", "/sessions", {{"name", "ada"}, {"password", "a long password"}})
+                    .body["token"]
+                    .get<std::string>();
+  LONGS_EQUAL(200, page->ask("POST", "/control", {{"action", "take"}}).status);
+  const auto mend = [&](int version) {
+    const control::Json steps = control::Json::array({{{"step", "candidate"}, {"candidate", 1}}});
+    return page->ask("POST", "/scans/scan-0001/mend",
+                     {{"line_version", version}, {"why", "x"}, {"steps", steps}});
+  };
+  const control::Answer mended = mend(1);
+  LONGS_EQUAL_TEXT(200, mended.status, test::text_of(mended.body).c_str());
+  LONGS_EQUAL(2, mended.body["line_version"].get<int>());
+  // What the mend wrote is what the service knows now.
+  LONGS_EQUAL(200, mend(2).status);
   edit_line();
-  not_accepted("line.csv was changed since the service wrote it");
+  LONGS_EQUAL(409, mend(3).status);
 }
 
 }  // namespace biteline
