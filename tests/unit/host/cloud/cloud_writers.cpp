@@ -96,7 +96,7 @@ std::string with_line_ends(const std::string& text, const char* end) {
 }
 
 template <class T>
-void put(std::string& bytes, T value, bool big_endian = false) {
+void put_raw(std::string& bytes, T value, bool big_endian = false) {
   std::array<char, sizeof(T)> raw;
   std::memcpy(raw.data(), &value, sizeof value);
   if (big_endian) std::ranges::reverse(raw);
@@ -326,22 +326,22 @@ void ply(Author& by) {
                 (by.hole[i] ? by.one_of(std::array{"nan", "-1.#IND", "NaN"}) : "+" + fixed(p.z(), 3));
       points += list ? " 2 5 6\n" : "\n";
     } else {
-      if (time) put(points, std::int64_t{1'700'000'000'000}, big);
+      if (time) put_raw(points, std::int64_t{1'700'000'000'000}, big);
       for (int k = 0; k < 3; ++k) {
         if (wide)
-          put(points, p[k], big);
+          put_raw(points, p[k], big);
         else
-          put(points, static_cast<float>(p[k]), big);
+          put_raw(points, static_cast<float>(p[k]), big);
       }
-      if (list) put(points, std::uint8_t{1}), put(points, std::int32_t{7}, big);
+      if (list) put_raw(points, std::uint8_t{1}), put_raw(points, std::int32_t{7}, big);
     }
   }
   for (std::size_t i = 0; i < triangles; ++i) {
     if (kind == 0) {
       faces += "3 " + std::to_string(i) + " " + std::to_string(i + 1) + " " + std::to_string(i + 2) + "\n";
     } else {
-      put(faces, std::uint8_t{3});
-      for (std::size_t k = 0; k < 3; ++k) put(faces, static_cast<std::int32_t>(i + k), big);
+      put_raw(faces, std::uint8_t{3});
+      for (std::size_t k = 0; k < 3; ++k) put_raw(faces, static_cast<std::int32_t>(i + k), big);
     }
   }
   const std::string body = faces_first ? faces + points : points + faces;
@@ -372,10 +372,10 @@ void pcd(Author& by) {
       rows += fixed(by.points[i].x(), 3) + " " + fixed(by.points[i].y(), 3) + " " +
               (by.hole[i] ? "nan" : fixed(by.points[i].z(), 3)) + " 7\n";
     } else {
-      put(rows, static_cast<float>(by.points[i].x()));
-      put(rows, static_cast<float>(by.points[i].y()));
-      put(rows, z);
-      put(rows, std::uint16_t{7});
+      put_raw(rows, static_cast<float>(by.points[i].x()));
+      put_raw(rows, static_cast<float>(by.points[i].y()));
+      put_raw(rows, z);
+      put_raw(rows, std::uint16_t{7});
     }
   }
   if (kind == 2) {
@@ -390,8 +390,8 @@ void pcd(Author& by) {
     packed.resize(size);
     if (size == 0) packed = columns;  // it did not shrink
     rows.clear();
-    put(rows, static_cast<std::uint32_t>(packed.size()));
-    put(rows, static_cast<std::uint32_t>(columns.size()));
+    put_raw(rows, static_cast<std::uint32_t>(packed.size()));
+    put_raw(rows, static_cast<std::uint32_t>(columns.size()));
     rows += packed;
   }
   by.out.bytes = head + rows;
@@ -433,16 +433,16 @@ void stl(Author& by) {
     bytes = std::string(80, by.maybe() ? ' ' : '\0');
     if (by.maybe()) bytes.replace(0, 11, "solid facet");
     const std::size_t count = triangles + (broken ? 1 : 0);
-    put(bytes, static_cast<std::uint32_t>(by.between(0, 3) == 0 ? 0 : count));
+    put_raw(bytes, static_cast<std::uint32_t>(by.between(0, 3) == 0 ? 0 : count));
     by.out.counted = false;  // count 0
     for (std::size_t i = 0; i < count; ++i) {
-      for (int k = 0; k < 3; ++k) put(bytes, 0.F);
+      for (int k = 0; k < 3; ++k) put_raw(bytes, 0.F);
       for (std::size_t k = 0; k < 3; ++k) {
         const Place& p = by.points[std::min(i + k, by.points.size() - 1)];
         for (int axis = 0; axis < 3; ++axis)
-          put(bytes, i == triangles ? std::nanf("") : static_cast<float>(p[axis]));
+          put_raw(bytes, i == triangles ? std::nanf("") : static_cast<float>(p[axis]));
       }
-      put(bytes, std::uint16_t{0});
+      put_raw(bytes, std::uint16_t{0});
     }
   }
   by.out.bytes = bytes;

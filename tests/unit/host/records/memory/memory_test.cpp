@@ -375,7 +375,7 @@ TEST(Memory, TrendsLeaveOutWhatAPersonStoppedOnItsWay) {
   Scan refused = scan_named("scan-0003", 20'000 * k_day_ms + 2, "refused");
   refused.reason_code = "no_crease";
   for (const Scan& scan : {stopped, followed, refused}) SUCCEEDS(memory.put_scan(scan, by_service("result")));
-  const auto trends = memory.trends({}, k_day_ms);
+  const auto trends = memory.trends({}, FactoryDay{}, Span::Day);
   SUCCEEDS(trends);
   LONGS_EQUAL(1, trends->buckets.size());
   LONGS_EQUAL(2, trends->buckets[0].scans);
