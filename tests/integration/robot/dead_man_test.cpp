@@ -87,6 +87,7 @@ TEST_GROUP(DeadMan) {
   sim::Arm arm{kinematics, T_base_flange_home(kinematics)};
   std::unique_ptr<sim::UrController> controller;
   std::unique_ptr<ControllerBetween> between;
+  Stops said;
 
   void setup() override {
     // Its threads begin with the rights of the one that makes them.
@@ -131,10 +132,10 @@ TEST_GROUP(DeadMan) {
     CHECK_TEXT(opened.has_value(), opened ? "" : to_line(opened.error()).c_str());
     return std::move(*opened);
   }
-  static PermittedPath from_here(const ur::UrLink& link) {
+  PermittedPath from_here(const ur::UrLink& link) const {
     const auto still = wait_until_still(link, {.turn_rad = k_ringing_rad, .move_mm = k_ringing_mm});
     CHECK(still.has_value());
-    return test::permitted(test::planned_path("grind.yaml"), still->q_rad);
+    return test::permitted(test::planned_path("grind.yaml"), still->q_rad, said.now());
   }
 
   /// One service, ended one way at a random moment. Seconds until arm and tool were safe.
@@ -201,16 +202,15 @@ ORDINARY_TIMED_TEST(DeadMan, StopThatNobodyHearsIsCarriedOutByTheDeadMan) {
   const auto held = claim();
   const auto robot = link(held.get());
   const PermittedPath permitted = from_here(*robot);
-  std::atomic<bool> stop{false};
   Clock::time_point told;
   std::thread person{[&] {
     static_cast<void>(comes(60, [&] { return tool_on(); }));
     between->lie = Lie::DeafDoors;
     told = Clock::now();
-    stop = true;
+    said.stop();
   }};
   FollowReport report;
-  const auto followed = follow(*robot, permitted, {.stop = &stop}, report);
+  const auto followed = follow(*robot, permitted, {}, report);
   person.join();
   CHECK(!followed.has_value());
   CHECK(report.halt->code == Halt::Person);
