@@ -80,12 +80,14 @@ int run() {
   filter.verdict = "refused";
   row("list, newest 100 of a model refused",
       seconds([&] { good = good && memory->scans(filter).has_value(); }), ids_s);
-  row("trends of all", seconds([&] { good = good && memory->trends({}, memory::k_day_ms).has_value(); }),
+  row("trends of all", seconds([&] {
+        good = good && memory->trends({}, memory::FactoryDay{}, memory::Span::Day).has_value();
+      }),
       count_s);
   row("trends of a model", seconds([&] {
         memory::ScanFilter of_model;
         of_model.model = "model-3";
-        good = good && memory->trends(of_model, memory::k_day_ms).has_value();
+        good = good && memory->trends(of_model, memory::FactoryDay{}, memory::Span::Day).has_value();
       }),
       count_s);
   row("places (Pp, Ppk) of 100 000",
