@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <string>
 
+#include "host/records/memory/factory_day.hpp"
 #include "host/records/memory/memory.hpp"
 
 namespace biteline::bench {
