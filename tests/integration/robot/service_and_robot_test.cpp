@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "host/cloud/closed_line.hpp"
+#include "host/records/memory/factory_day.hpp"
 #include "host/records/memory/memory.hpp"
 #include "host/transfer/library.hpp"
 #include "tests/integration/robot/service_with_arm.hpp"
@@ -235,7 +236,7 @@ TEST(ServiceAndRobot, AScanThatAPersonStoppedIsJudgedAsNoShoe) {
   CHECK(!fs::exists(scan / "line.csv"));
   const auto memory = memory::Memory::open_to_read(results() / memory::k_memory_file);
   SUCCEEDS(memory);
-  const auto trends = memory->trends({}, memory::k_day_ms);
+  const auto trends = memory->trends({}, memory::FactoryDay{}, memory::Span::Day);
   SUCCEEDS(trends);
   CHECK(trends->buckets.empty());
   CHECK(trends->reasons.empty());
