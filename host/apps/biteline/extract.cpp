@@ -21,7 +21,7 @@ struct ExtractOptions {
 /// A cloud that is to be read otherwise: report.json alone.
 Result<ExitStatus> refuse(const ExtractOptions& options, report::ToldRefusal refusal,
                           const cloud::CloudFile& file, report::Report& report, const GlobalOptions& global) {
-  const std::string words = "biteline: read: " + file.understood + "\nbiteline: refused: " + refusal.reason;
+  const std::string words = "biteline: refused: " + refusal.reason + " (read: " + file.understood + ")";
   report.refuse(std::move(refusal));
   BITELINE_TRY(report.write(options.out));
   return tell(report, global, words);
@@ -58,7 +58,10 @@ Result<ExitStatus> extract(const ExtractOptions& options, const GlobalOptions& g
   }
   BITELINE_TRY(results::write_line_result(options.out, file.cloud, found.extraction, found.stages, report));
   BITELINE_TRY(put_back(options.out, file, found.extraction.line));
-  return tell(report, global, "read: " + file.understood + "\n" + results::summary(found.extraction));
+  const std::string summary = results::summary(found.extraction);
+  return tell(report, global,
+              found.extraction.found ? "read: " + file.understood + "\n" + summary
+                                     : summary + " (read: " + file.understood + ")");
 }
 
 }  // namespace

@@ -62,7 +62,7 @@ Result<transfer::Transfer> carry_over(const TransferOptions& options, const clou
 Result<ExitStatus> refuse(const TransferOptions& options, report::ToldRefusal refusal,
                           const cloud::CloudFile& upper, report::Report& report,
                           const GlobalOptions& global) {
-  const std::string words = "biteline: read: " + upper.understood + "\nbiteline: refused: " + refusal.reason;
+  const std::string words = "biteline: refused: " + refusal.reason + " (read: " + upper.understood + ")";
   report.refuse(std::move(refusal));
   BITELINE_TRY(report.write(options.out));
   return tell(report, global, words);
@@ -85,7 +85,10 @@ Result<ExitStatus> transfer(const TransferOptions& options, const GlobalOptions&
     for (cloud::LinePoint& point : line.points) point.position += upper.origin;
     BITELINE_TRY(cloud::write_line(options.out / "line.csv", line));
   }
-  return tell(report, global, "read: " + upper.understood + "\n" + results::summary(result));
+  const std::string summary = results::summary(result);
+  return tell(report, global,
+              result.found ? "read: " + upper.understood + "\n" + summary
+                           : summary + " (read: " + upper.understood + ")");
 }
 
 }  // namespace
