@@ -112,6 +112,8 @@ TEST(CalibrateTool, FilesWithoutUseAreNamed) {
   write_views(6);
   folder.write("camera/IMG_7.png", "");
   folder.write("camera/7.jpg", "");
+  // Else the last word is that nothing tells it.
+  folder.write("camera/camera_state.yaml", "mirror_x: false\n");
   run({"calibrate", "camera", folder.path().string(), "--out", out().string()},
       "camera/IMG_7.png is not used");
   LONGS_EQUAL(2, report()["warnings"].size());
