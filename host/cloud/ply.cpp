@@ -326,14 +326,15 @@ Result<PointCloud> read_cloud(const std::filesystem::path& file, std::size_t* dr
 
 Result<TriangleMesh> read_mesh(const std::filesystem::path& file) {
   BITELINE_ASSIGN(FileContent content, read_file(file));
-  TriangleMesh mesh;
-  mesh.vertices.reserve(content.places.size());
   for (Eigen::Vector3d& place : content.places) {
-    mesh.vertices.push_back(near_or_none(place));
     if (!is_plausible_place(place))
       place = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
   }
+  // It numbers the corners anew, so the vertices are taken after it.
   leave_out_broken_faces(content);
+  TriangleMesh mesh;
+  mesh.vertices.reserve(content.places.size());
+  for (const Eigen::Vector3d& place : content.places) mesh.vertices.push_back(near_or_none(place));
   mesh.faces = std::move(content.faces);
   if (mesh.faces.empty())
     return fail(Errc::BadFormat, "%s: element face with at least one triangle expected", file.c_str());

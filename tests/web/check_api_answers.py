@@ -49,7 +49,8 @@ class Api:
         """Words that an unquoted comma tore off their description: a key with a blank in it, or one that says nothing."""
         node = self.text if node is None else node
         if isinstance(node, list):
-            return [fault for number, one in enumerate(node) for fault in self.torn(one, f"{where}/{number}")]
+            return [fault for number, one in enumerate(node) if one is not None
+                    for fault in self.torn(one, f"{where}/{number}")]
         if not isinstance(node, dict):
             return []
         own = [f"{where}: '{key}' is no key; quote the description" for key, value in node.items()

@@ -209,6 +209,19 @@ TEST(Ply, BinaryMeshIsRead) {
   DOUBLES_EQUAL(1, static_cast<double>(sut->vertices[2].y()), 0);
 }
 
+/// Its faces are numbered anew then, and must still name the same places.
+TEST(Ply, AVertexThatNoFaceUsesMovesNoOther) {
+  const auto sut = read_mesh(folder.write(
+      "u.ply",
+      "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\nproperty float z\n"
+      "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+      "9 9 9\n1 0 0\n8 8 8\n2 0 0\n2 3 0\n3 1 3 4\n"));
+  SUCCEEDS(sut);
+  LONGS_EQUAL(1, sut->faces.size());
+  const Eigen::Vector3f expected[] = {{1, 0, 0}, {2, 0, 0}, {2, 3, 0}};
+  for (std::size_t i = 0; i < 3; ++i) CHECK(sut->vertices[sut->faces[0][i]] == expected[i]);
+}
+
 TEST(Ply, PolygonsAreCutIntoFans) {
   const auto quad = read_mesh(folder.write(
       "q.ply",
