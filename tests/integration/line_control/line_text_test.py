@@ -141,7 +141,13 @@ def bad_peers_hurt_nobody(cell, peer):
     for line in ("HELLO", "start 3", "POST / HTTP/1.1\r\nHost: x\r\n\r\nJOB 1\nSTART 77"):
         stranger = TextPeer(cell.text_port)
         stranger.socket.sendall(line.encode() + b"\n")
-        assert stranger.ended(), line
+        answer = b""
+        try:
+            while more := stranger.socket.recv(100):
+                answer += more
+        except ConnectionError:
+            pass  # closed with lines unread
+        assert answer in (b"(10)\n", b""), (line, answer)
     assert peer.state()["taken"] != 77
     long = TextPeer(cell.text_port)
     long.socket.sendall(b"S" * 200)
