@@ -5,6 +5,7 @@
 #include <array>
 #include <memory>
 
+#include "hal/linux/posix/descriptor.hpp"
 #include "hal/sim/gvcamera/genicam_description.hpp"
 #include "tests/integration/faults/fault_stand.hpp"
 #include "tests/support/errors.hpp"
@@ -98,8 +99,11 @@ TIMED_TEST(CameraState, OneThatWasCalibratedMirroredIsRunMirrored) {
   const auto begun = stand->start_scan(0);
   CHECK_TEXT(!begun, begun.value_or("").c_str());
   DOUBLES_EQUAL(1, *stand->hello().camera_state[StateKey::MirrorX], 0);
+  const auto stopped = hal::monotonic_now();
   stand->command(wire::Command::StopScan);
   CHECK(stand->take_end());
+  // The scan's end and the laser's line reach this process on ways of their own.
+  CHECK(stand->dark_after_ms(stopped).has_value());
   // Set back by hand and locked: then it is the other way round.
   stand->cell().lock_camera_state();
   stand->cell().leave_in_camera(registers::k_reverse_x, 0);
