@@ -93,6 +93,7 @@ Result<std::unique_ptr<Stand>> Stand::open(const StandSettings& settings) {
   live.scene = {.shoe = sim::draw_shoe(sim::ShoeClass::Deep, settings.seed),
                 .place_seed = settings.seed,
                 .places = sim::places_within_reach_of(k_arm),
+                .holder = sim::Holder::Bracket,
                 .scan_speed_mm_s = 100,
                 .rate_hz = 50};
   live.wires = "biteline-soak-" + std::to_string(::getpid());
@@ -162,20 +163,34 @@ Result<void> Stand::start_sensor() {
 }
 
 Result<void> Stand::start_host() {
-  // z of the table that the shoe stands on, which an integrator knows of his cell.
-  const double table_z_mm = cell_->scene().T_base_shoe.translation().z();
+  // What an integrator measures in his cell.
+  const sim::LiveCell::Stand measured = cell_->stand();
   BITELINE_ASSIGN(ChildProcess child,
                   ChildProcess::start({.program = fs::path{BITELINE_PROGRAMS} / "biteline-host",
-                                       .arguments = {"--sensor",    endpoint_,
-                                                     "--out",       results().string(),
-                                                     "--robot",     k_arm,
-                                                     "--process",   (settings_.out / "process.yaml").string(),
-                                                     "--table-z",   std::to_string(table_z_mm),
-                                                     "--rtde",      loopback(between_->rtde_port()),
-                                                     "--script",    loopback(between_->script_port()),
-                                                     "--dashboard", loopback(between_->dashboard_port()),
-                                                     "--control",   control_,
-                                                     "--send",      "--exit-with-parent"},
+                                       .arguments = {"--sensor",
+                                                     endpoint_,
+                                                     "--out",
+                                                     results().string(),
+                                                     "--robot",
+                                                     k_arm,
+                                                     "--process",
+                                                     (settings_.out / "process.yaml").string(),
+                                                     "--table-z",
+                                                     std::to_string(measured.table_z_mm),
+                                                     "--fixture-z",
+                                                     std::to_string(measured.fixture_z_mm),
+                                                     "--fixture-beyond",
+                                                     std::to_string(measured.fixture_beyond_mm),
+                                                     "--rtde",
+                                                     loopback(between_->rtde_port()),
+                                                     "--script",
+                                                     loopback(between_->script_port()),
+                                                     "--dashboard",
+                                                     loopback(between_->dashboard_port()),
+                                                     "--control",
+                                                     control_,
+                                                     "--send",
+                                                     "--exit-with-parent"},
                                        .pass_stderr = settings_.verbose}));
   host_.emplace(std::move(child));
   return {};
