@@ -123,6 +123,7 @@ export class FakeCell {
     this.calls = [];
     this.reruns = new Map();
     this.sessions = new Map();
+    this.process_files = new Map();
     this.sockets = new Set();
     this.seq = 1;
     this.control = { holder: null };
@@ -328,7 +329,7 @@ export class FakeCell {
       const scan = this.scans.find((row) => row.id === scan_path[1]);
       if (!scan) return fail(404, 'not_found', `${scan_path[1]}: no such scan`);
       const what = scan_path[2];
-      if (!what) return [200, { ...scan, report: { status: 'ok' }, gate: null, follow: null, air: this.air ?? null, versions: [{ version: 0, time: scan.time, who: 'found' }], reruns: this.reruns.get(scan.id) ?? [] }];
+      if (!what) return [200, { ...scan, report: { status: 'ok' }, gate: null, follow: null, air: this.air ?? null, process_file: this.process_files.get(scan.id) ?? null, versions: [{ version: 0, time: scan.time, who: 'found' }], reruns: this.reruns.get(scan.id) ?? [] }];
       if (what === 'files') return [200, { files: (scan.verdict === 'refused' ? ['cloud.ply', 'report.json'] : ['line.csv', 'cloud.ply', 'report.json', 'path/tracking.html']).map((name) => ({ path: name, bytes: 12345, time: scan.time })) }];
       if (what === 'files/view_data.js') {
         if (this.view_fails) return fail(500, 'internal', 'the disk does not answer');
@@ -347,7 +348,8 @@ export class FakeCell {
         this.push('state', this.told_state());
         setTimeout(() => {
           if (what === 'process') {
-            scan.process = scan.process_file = given.process;
+            scan.process = given.process;
+            this.process_files.set(scan.id, given.process);
             Object.assign(this.state, { process: given.process, process_by: me.name });
           }
           if (what === 'air') this.air = { state: 'followed', reason_code: null, reason: null, next_step: null, duration_s: 161.2 };

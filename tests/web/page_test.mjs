@@ -399,6 +399,7 @@ cell.fresh_s = 95;
 Object.assign(cell.scans[0], { decision: 'rejected' });
 // As the service does it: the next scan of the shoe has the process that was chosen.
 cell.scans.unshift({ ...cell.scans[0], id: 'scan-0005', decision: 'held' });
+cell.process_files.set('scan-0005', cell.process_files.get('scan-0004'));
 cell.push('scan', cell.scans[0]);
 cell.push('state', cell.told_state());
 await anna.page.getByText('scan-0005 is held.').waitFor();
