@@ -79,6 +79,7 @@ void BoardDevices::remember(const geometry::SensorModel& head) {
 
 Result<void> BoardDevices::adopt(const geometry::SensorModel& head, const Capture& exposed,
                                  const settings::SettingsSet& wanted) {
+  BITELINE_TRY(check_lit_rate(live_settings(head, exposed, trigger(), wanted), board_));
   BITELINE_ASSIGN(const std::unique_ptr<hal::LineCamera> camera, open_camera());
   // What the trigger does not take the next scan would refuse.
   BITELINE_ASSIGN(const std::unique_ptr<hal::PwmOut> pulses, open_trigger());
@@ -108,18 +109,17 @@ Result<void> BoardDevices::try_settings() {
   return {};
 }
 
+Result<void> BoardDevices::expect_lit_rate() const {
+  return check_lit_rate(present_settings(), board_);
+}
+
 Result<std::optional<LaserDevices>> BoardDevices::open_laser() {
   if (!board_.laser) return std::optional<LaserDevices>{};
   LaserDevices devices;
   BITELINE_ASSIGN(devices.laser, open_output(board_.laser->enable));
   BITELINE_ASSIGN(devices.safety, open_safety(*board_.laser));
   BITELINE_TRY(arm_watchdogs(devices.watchdogs));
-  if (const std::optional<Nanoseconds>& patience = board_.laser->patience) {
-    devices.guard = {.frames_within = *patience,
-                     .watchdog_within = *patience,
-                     .stream_within = *patience,
-                     .looks_within = *patience};
-  }
+  devices.guard = guard_of(*board_.laser);
   return std::optional<LaserDevices>{std::move(devices)};
 }
 

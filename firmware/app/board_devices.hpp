@@ -22,6 +22,7 @@ class BoardDevices final : public SourceKind {
   [[nodiscard]] Result<Source> open() override;
   [[nodiscard]] Result<std::optional<LaserDevices>> open_laser() override;
   [[nodiscard]] Result<void> try_settings() override;
+  [[nodiscard]] Result<void> expect_lit_rate() const override;
   [[nodiscard]] Result<void> adopt(const geometry::SensorModel& head, const Capture& exposed,
                                    const settings::SettingsSet& wanted) override;
   [[nodiscard]] Result<void> learn_limits() override;

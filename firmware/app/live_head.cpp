@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <cstdio>
 
@@ -120,6 +121,28 @@ Result<void> check_limits(const LiveSettings& wanted, const hal::CameraLimits& l
   if (wanted.set && wanted.set->on(Key::FollowStripe).value_or(false) && !limits.rows_adjustable)
     return refuse(wanted, Key::FollowStripe, "off: this camera's region stands while it runs; off");
   return {};
+}
+
+runtime::LaserGuard::Config guard_of(const hal::BoardLaser& laser) {
+  if (!laser.patience) return {};
+  return {.frames_within = *laser.patience,
+          .watchdog_within = *laser.patience,
+          .stream_within = *laser.patience,
+          .looks_within = *laser.patience};
+}
+
+Result<void> check_lit_rate(const LiveSettings& wanted, const hal::Board& board) {
+  constexpr double k_periods = 1.5;
+  constexpr double k_rounding = 1e-9;
+  if (!board.laser || board.trigger.kind == hal::BoardTrigger::Kind::Encoder) return {};
+  const std::chrono::duration<double> within = guard_of(*board.laser).frames_within;
+  const double least_hz = k_periods / within.count();
+  if (wanted.camera.rate_hz >= (1 - k_rounding) * least_hz) return {};
+  char expected[128];
+  std::snprintf(expected, sizeof expected,
+                "%.4g Hz or more (the laser goes dark after %.0f ms without a picture)", least_hz,
+                1e3 * within.count());
+  return refuse(wanted, Key::RateHz, expected);
 }
 
 bool is_as_asked(Nanoseconds asked, Nanoseconds taken) {

@@ -9,8 +9,10 @@
 #include "common/geometry/sensor_model.hpp"
 #include "common/settings/settings.hpp"
 #include "firmware/app/capture.hpp"
+#include "firmware/runtime/laser_guard.hpp"
 #include "hal/api/line_camera.hpp"
 #include "hal/api/pwm_out.hpp"
+#include "hal/board/board.hpp"
 
 namespace biteline::sensor {
 
@@ -39,6 +41,14 @@ struct LiveSettings {
 /// Errc::BadValue, as configure_camera(): what a camera of these limits does not take.  Nothing is told to
 /// it.
 [[nodiscard]] Result<void> check_limits(const LiveSettings& wanted, const hal::CameraLimits& limits);
+
+/// The guard's limits on this board: its own, or the patience that a simulated board states.
+[[nodiscard]] runtime::LaserGuard::Config guard_of(const hal::BoardLaser& laser);
+
+/// Errc::BadValue: fewer pictures a second than the laser's guard needs, which is one and a half periods
+/// within its time for a silent camera (20 Hz).  Every scan at such a rate would go dark at the first late
+/// picture. Not looked at: boards without a laser, and those whose encoder asks for each picture.
+[[nodiscard]] Result<void> check_lit_rate(const LiveSettings& wanted, const hal::Board& board);
 
 /// Cameras count exposures in lines: so near is as asked.  0 taken: the driver cannot say it.
 [[nodiscard]] bool is_as_asked(Nanoseconds asked, Nanoseconds taken);

@@ -280,6 +280,7 @@ Result<void> run(const sensor::Options& options, const sigset_t& signals) {
   }
   kind->realtime = demand == runtime::RealtimeDemand::Required;
   tell_untold_state(*kind);
+  BITELINE_TRY(kind->expect_lit_rate());
   if (options.source.set) BITELINE_TRY(try_settings(*kind));
   BITELINE_TRY(runtime::prepare_process(demand));
   BITELINE_TRY(runtime::enter_thread(runtime::threads::k_main, demand));

@@ -57,6 +57,9 @@ class SourceKind {
   [[nodiscard]] virtual Result<std::optional<LaserDevices>> open_laser() = 0;
   /// Tells the camera `set` and reads it back, as each scan does; see configure_camera().
   [[nodiscard]] virtual Result<void> try_settings() { return {}; }
+  /// Errc::BadValue: at the head's rate the laser's guard would take a camera that runs well for a silent
+  /// one.
+  [[nodiscard]] virtual Result<void> expect_lit_rate() const { return {}; }
 
   /// Another set, its head and capture in the place of those: told to the camera and read back as each scan
   /// does, and kept only when it took it.  Between scans.  Pre: they were checked together.

@@ -211,7 +211,7 @@ def scan_with_service(sensor, cell, service, folder, options, good):
     told = ""
     for attempt in range(ATTEMPTS):
         session, out = folder / f"line-{attempt}", folder / f"service-{attempt}"
-        serving, place = start(cell, "serve", "--speed-mm-s", 60, "--rate-hz", 15, "--out", folder / f"place-{attempt}",
+        serving, place = start(cell, "serve", "--speed-mm-s", 100, "--rate-hz", 25, "--out", folder / f"place-{attempt}",
                                "--exit-with-parent")
         if place is None:
             told = stop(serving)

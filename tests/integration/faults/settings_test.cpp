@@ -81,6 +81,7 @@ TIMED_TEST(SentSettings, NextScanHasWhatWasSentBetweenScansAndNothingOfWhatWasRe
   stand = FaultStand::set_up();
   if (!stand) return;
   refused("camera: {gain: 1e4}", "camera.gain");
+  refused("camera: {rate_hz: 15}", "camera.rate_hz: 20 Hz or more");
   refused("camera: {rate_hz: 50}\nregion: {left_px: 0, top_px: 0, width_px: 2000, height_px: 64}",
           "region.width_px");
   refused("region: {left_px: 0, top_px: 0, width_px: 9999, height_px: 64}", "region.width_px: at most ");

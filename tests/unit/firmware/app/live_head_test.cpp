@@ -157,6 +157,26 @@ TEST(LiveHead, ARateThatTheRegionDoesNotGiveIsPutBack) {
   check_untouched();
 }
 
+TEST(LiveHead, ARateAtWhichTheLaserCannotStayOnIsRefused) {
+  const auto checked = [](double rate_hz, const hal::Board& board) {
+    geometry::SensorModel slow = head();
+    slow.rate_hz = rate_hz;
+    return check_lit_rate(live_settings(slow, {}, hal::Trigger::Hardware, std::nullopt), board);
+  };
+  hal::Board board;
+  SUCCEEDS(checked(1, board));
+  board.laser.emplace();
+  FAILS_NAMING(Errc::BadValue, "camera.rate_hz: 20 Hz or more (the laser goes dark after 75 ms",
+               checked(15, board));
+  FAILS_NAMING(Errc::BadValue, "camera.rate_hz", checked(19.9, board));
+  SUCCEEDS(checked(20, board));
+  board.laser->patience = std::chrono::seconds{10};
+  SUCCEEDS(checked(1, board));
+  board.laser->patience.reset();
+  board.trigger.kind = hal::BoardTrigger::Kind::Encoder;
+  SUCCEEDS(checked(1, board));
+}
+
 TEST(LiveHead, ASensorYamlWithoutRateIsCompletedByASet) {
   geometry::SensorModel bare = head();
   bare.rate_hz.reset();
