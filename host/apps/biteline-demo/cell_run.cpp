@@ -2,6 +2,7 @@
 #include "host/apps/biteline-demo/cell_run.hpp"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cstdio>
 
@@ -68,11 +69,15 @@ bool holes_before_gate(const fs::path& scan) {
   return std::any_of(rows.begin(), rows.end(), lost);
 }
 
-/// The scan is at fault, not the shoe: it did not reach its end, or part of the way round is missing.
+/// The scan is at fault, not the shoe: it did not reach its end, pictures or poses came late or not at all,
+/// or part of the way round is missing.
 bool worth_another_scan(const std::optional<fs::path>& scan) {
   if (!scan) return false;
+  constexpr std::array k_of_the_scan{intake::Refused::ScanNotComplete, intake::Refused::NoTime,
+                                     intake::Refused::FramesLost, intake::Refused::PosesTooFar};
   const std::string code = read_json(*scan / "report.json").value("reason_code", "");
-  return code == report::refusal_row(intake::Refused::ScanNotComplete).name ||
+  return std::ranges::any_of(k_of_the_scan,
+                             [&](intake::Refused of) { return code == report::refusal_row(of).name; }) ||
          code == report::refusal_row(transfer::Refused::ScanHasGap).name || holes_before_gate(*scan);
 }
 

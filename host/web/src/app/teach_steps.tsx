@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The steps of teaching behind the scan: process with its dry run, run in the air, model, go.
 import type { JSX } from 'preact';
-import { useEffect, useState } from 'preact/hooks';
+import { useEffect, useRef, useState } from 'preact/hooks';
 import { number, t, t_or } from '../words';
 import {
   type FileRow,
@@ -14,6 +14,7 @@ import {
 } from './api';
 import { NotSendable, use_shown_version } from './fresh';
 import { ModelForm } from './model_form';
+import { type NewestOnly, newest_only } from './newest_only';
 import { Step, Verdict } from './parts';
 import { TriedWords, type Tried } from './process_check';
 import { act, use_reading, words_of } from './store';
@@ -26,17 +27,29 @@ interface OfScan {
 /// What the service says of a process along this scan's line; null: none is chosen.
 function use_fit(scan: string, name: string): Tried | null {
   const [tried, set_tried] = useState<Tried | null>(null);
+  const asker = useRef<NewestOnly<{ scan: string; name: string }> | null>(null);
   useEffect(() => {
+    const made = newest_only<{ scan: string; name: string }>(async (asked, is_newest) => {
+      try {
+        const { process } = await call<{ process: unknown }>('GET', `/processes/${asked.name}`);
+        if (!is_newest()) return;
+        const told = await call<TriedProcess>('POST', '/processes/check', {
+          process,
+          scan: asked.scan,
+        });
+        if (is_newest()) set_tried({ state: 'told', told });
+      } catch (refused) {
+        if (is_newest()) set_tried({ state: 'refused', words: words_of(refused) });
+      }
+    });
+    asker.current = made;
+    return () => made.close();
+  }, []);
+  useEffect(() => {
+    asker.current?.forget();
     if (name === '') return set_tried(null);
-    let alive = true;
     set_tried({ state: 'waits' });
-    call<{ process: unknown }>('GET', `/processes/${name}`)
-      .then(({ process }) => call<TriedProcess>('POST', '/processes/check', { process, scan }))
-      .then((told) => alive && set_tried({ state: 'told', told }))
-      .catch((refused) => alive && set_tried({ state: 'refused', words: words_of(refused) }));
-    return () => {
-      alive = false;
-    };
+    asker.current?.ask({ scan, name });
   }, [scan, name]);
   return tried;
 }
