@@ -29,6 +29,8 @@ struct ServeOptions {
   std::string arm{"ur10e"};
   std::uint16_t rtde_port{0}, script_port{0}, dashboard_port{0}, primary_port{0};
   int robot_rate_hz{500};
+  double speed_slider{1};
+  std::uint64_t arm_seed{0};
   double robot_clock_ms{0};
   double lost_packet_ratio{0};
   bool camera_free_clock{false};
@@ -108,6 +110,8 @@ Result<void> serve(const ServeOptions& options) {
   settings.robot.dashboard_port = options.dashboard_port;
   settings.robot.primary_port = options.primary_port;
   settings.robot.rate_hz = options.robot_rate_hz;
+  settings.robot.speed_slider_ratio = options.speed_slider;
+  settings.arm_seed = options.arm_seed;
   settings.robot.model = options.arm;
   for (char& c : settings.robot.model) c = c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
   settings.robot.clock_offset = Nanoseconds{std::llround(options.robot_clock_ms * 1e6)};
@@ -177,6 +181,16 @@ void add_serve(options::Command& app, Context& context) {
   command->add_option("--robot-rate-hz", options->robot_rate_hz, "500: e series, 125: CB3")
       ->capture_default_str()
       ->check(options::one_of_numbers({125, 500}));
+  command->add_option(
+      "--arm-seed", options->arm_seed,
+      "Of the arm's own kinematics, some 2 mm off the nominal ones, which its controller tells; "
+      "0: the nominal arm");
+  command
+      ->add_option("--speed-slider", options->speed_slider,
+                   "Where the pendant's speed slider stands: programs go at that share of their speed; the "
+                   "scan's way does not")
+      ->capture_default_str()
+      ->check(options::number({.minimum = 0.0, .maximum = 1.0}, ""));
   command->add_option("--robot-clock-ms", options->robot_clock_ms, "Robot clock minus camera clock")
       ->check(options::number({.minimum = -1e6, .maximum = 1e6}, "ms"));
   command->add_option("--lost-packet-ratio", options->lost_packet_ratio, "Of the camera's packets")

@@ -2,6 +2,7 @@
 #include "hal/sim/robot/arm.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace biteline::sim {
 
@@ -49,19 +50,35 @@ ArmState Arm::at(SensorClock::time_point instant) const {
       state.q_rad = time_s >= motion_->duration_s ? motion_->q_end_rad : std::nullopt;
     }
   } else if (program_) {
-    state.moving = state.program_running = time_s >= 0 && time_s < program_->duration_s();
-    state.T_base_flange = program_->T_base_flange_at(std::max(0.0, time_s));
-    state.T_flange_tcp = program_->T_flange_tcp_at(std::max(0.0, time_s));
-    state.outputs = program_->outputs_at(std::max(0.0, time_s));
+    const double program_s = std::max(0.0, program_time_s(instant));
+    state.moving = state.program_running = time_s >= 0 && program_s < program_->duration_s();
+    state.T_base_flange = program_->T_base_flange_at(program_s);
+    state.T_flange_tcp = program_->T_flange_tcp_at(program_s);
+    state.outputs = program_->outputs_at(program_s);
     for (const SetBeside& set : beside_) {
-      if (!program_->sets_output_between(set.number, set.time_s, time_s))
+      if (!program_->sets_output_between(set.number, set.time_s, program_s))
         state.outputs = with_output(state.outputs, set.number, set.on);
     }
-    state.q_rad = program_->q_rad_at(std::max(0.0, time_s));
-    state.payload = program_->payload_at(std::max(0.0, time_s));
+    state.q_rad = program_->q_rad_at(program_s);
+    state.payload = program_->payload_at(program_s);
     state.program_name = program_->name();
   }
   return state;
+}
+
+double Arm::program_time_s(SensorClock::time_point instant) const {
+  const auto after = std::ranges::upper_bound(paces_, instant, {}, &Pace::since);
+  if (after == paces_.begin()) return seconds(instant - begin_);
+  const Pace& pace = *(after - 1);
+  return program_->later_s(pace.program_s, seconds(instant - pace.since), pace.ratio);
+}
+
+void Arm::set_speed(double ratio, SensorClock::time_point instant) {
+  const std::lock_guard lock(mutex_);
+  if (ratio == std::exchange(speed_ratio_, ratio) || !program_) return;
+  // A cycle that comes late is before the program that was begun meanwhile.
+  const SensorClock::time_point since = std::max(instant, paces_.back().since);
+  paces_.push_back({.since = since, .program_s = program_time_s(since), .ratio = ratio});
 }
 
 std::optional<JointVector> Arm::joints_of(const ArmState& state, const JointVector& near_rad) const {
@@ -98,6 +115,7 @@ void Arm::stand(SensorClock::time_point instant) {
   motion_.reset();
   program_.reset();
   beside_.clear();
+  paces_.clear();
   begin_ = instant;
 }
 
@@ -107,14 +125,16 @@ void Arm::set_output(int number, bool on, SensorClock::time_point instant) {
     outputs_ = with_output(outputs_, number, on);
   } else {
     std::erase_if(beside_, [number](const SetBeside& set) { return set.number == number; });
-    beside_.push_back({.number = number, .on = on, .time_s = seconds(instant - begin_)});
+    beside_.push_back({.number = number, .on = on, .time_s = program_time_s(instant)});
   }
 }
 
 Arm::Running Arm::running(SensorClock::time_point instant) const {
   const std::lock_guard lock(mutex_);
-  if (!program_ || seconds(instant - begin_) >= program_->duration_s()) return {};
-  return {.program = program_, .begin = begin_};
+  if (!program_) return {};
+  const double time_s = program_time_s(instant);
+  if (time_s >= program_->duration_s()) return {};
+  return {.program = program_, .begin = begin_, .time_s = time_s};
 }
 
 void Arm::stop(SensorClock::time_point instant) {
@@ -134,6 +154,7 @@ void Arm::run(const Script& script, SensorClock::time_point begin) {
       Program::plan(script, kinematics_, now.T_base_flange, now.T_flange_tcp, now.payload, now.outputs));
   const std::lock_guard lock(mutex_);
   program_ = std::move(program);
+  paces_.assign(1, {.since = begin, .program_s = 0, .ratio = speed_ratio_});
 }
 
 }  // namespace biteline::sim

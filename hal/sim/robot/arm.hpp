@@ -66,9 +66,14 @@ class Arm {
   /// What runs beside the moves sets an output, until the program itself sets it again.
   void set_output(int number, bool on, SensorClock::time_point instant);
 
+  /// From `instant` on programs go at that share of their speed, 0 to 1; until then as before.  Instants in
+  /// order.
+  void set_speed(double ratio, SensorClock::time_point instant);
+
   struct Running {
     std::shared_ptr<const Program> program{};  ///< nullptr: none
     SensorClock::time_point begin{};
+    double time_s{0};  ///< of the program, at the instant that was asked for
   };
   [[nodiscard]] Running running(SensorClock::time_point instant) const;
 
@@ -76,6 +81,8 @@ class Arm {
 
  private:
   void stand(SensorClock::time_point instant);
+  /// Pre: a program is on, and mutex_ is held.
+  [[nodiscard]] double program_time_s(SensorClock::time_point instant) const;
   [[nodiscard]] std::optional<JointVector> joints_of(const ArmState& state,
                                                      const JointVector& near_rad) const;
 
@@ -94,6 +101,13 @@ class Arm {
     bool on;
     double time_s;  ///< of the program
   };
+  struct Pace {
+    SensorClock::time_point since;
+    double program_s;  ///< at that instant
+    double ratio;
+  };
+  std::vector<Pace> paces_;  ///< of the program, in order
+  double speed_ratio_{1};
   std::vector<SetBeside> beside_;  ///< outputs set by what runs beside the program
   bool ideal_{true};
   mutable std::mutex real_mutex_;  ///< before mutex_

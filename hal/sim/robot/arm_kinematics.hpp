@@ -3,6 +3,7 @@
 /// \file Joint angles of the simulated arm: just enough kinematics for a controller that reports them.
 
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <string_view>
 
@@ -29,11 +30,22 @@ struct LinkShape {
   double wrist_radius_mm;
 };
 
-/// A UR arm of nominal dimensions (Universal Robots, "DH parameters for calculations of kinematics").
+/// A UR arm of nominal dimensions (Universal Robots, "DH parameters for calculations of kinematics"), or one
+/// of its own.
 class ArmKinematics {
  public:
+  /// From a joint's frame to the next one: Rz(q + theta) Tz(d) Tx(a) Rx(alpha).
+  struct DhRow {
+    double a_mm, d_mm, alpha_rad, theta_rad{0};
+  };
   /// ur3e, ur5e, ur10e; nothing for other names.
   [[nodiscard]] static std::optional<ArmKinematics> named(std::string_view name);
+
+  /// One arm as it leaves the factory: its rows off the nominal ones, so that its flange is some 2 mm beside
+  /// the nominal arm's at the same joints, as two published calibrations have it.  Seed 0: the nominal arm.
+  [[nodiscard]] ArmKinematics made(std::uint64_t seed) const;
+  /// As its controller tells them.
+  [[nodiscard]] const std::array<DhRow, 6>& rows() const { return rows_; }
 
   [[nodiscard]] SE3 T_base_flange(const JointVector& q_rad) const;
   /// The frames that turn with the joints: z along the axis, where the link behind it begins.
@@ -55,9 +67,6 @@ class ArmKinematics {
   [[nodiscard]] std::optional<JointVector> joints_anywhere(const SE3& T_base_flange) const;
 
  private:
-  struct DhRow {
-    double a_mm, d_mm, alpha_rad;
-  };
   using Jacobian = Eigen::Matrix<double, 6, 6>;
   ArmKinematics(const std::array<DhRow, 6>& rows, const JointLimits& limits, const LinkShape& shape)
       : rows_(rows), limits_(limits), shape_(shape) {}

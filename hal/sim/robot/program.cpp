@@ -143,6 +143,19 @@ const Program::Piece& Program::piece_at(double time_s) const {
   return after == pieces_.begin() ? pieces_.front() : *(after - 1);
 }
 
+double Program::later_s(double time_s, double elapsed_s, double speed_ratio) const {
+  if (speed_ratio == 1) return time_s + elapsed_s;
+  while (elapsed_s > 0 && time_s < duration_s()) {
+    const Piece& piece = piece_at(time_s);
+    const double ratio = std::holds_alternative<Hold>(piece.motion) ? 1 : speed_ratio;
+    const double left_s = piece.end_s - time_s;
+    if (ratio * elapsed_s < left_s) return time_s + ratio * elapsed_s;
+    time_s = piece.end_s;
+    elapsed_s -= left_s / ratio;
+  }
+  return time_s + std::max(elapsed_s, 0.0);
+}
+
 SE3 Program::flange_of(const Piece& piece, double time_s) const {
   const double inside_s = time_s - piece.begin_s;
   if (const auto* hold = std::get_if<Hold>(&piece.motion)) return hold->T_base_flange;

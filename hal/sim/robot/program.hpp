@@ -29,6 +29,9 @@ class Program {
 
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] double duration_s() const { return pieces_.empty() ? 0 : pieces_.back().end_s; }
+  /// The program's time `elapsed_s` after `time_s`, while moves go at `speed_ratio` of their speed.  Waits
+  /// take their own time, whatever the speed.
+  [[nodiscard]] double later_s(double time_s, double elapsed_s, double speed_ratio) const;
   [[nodiscard]] SE3 T_base_flange_at(double time_s) const;
   /// Within a joint move: the joints.  Elsewhere only the tip is planned, and nothing is known.
   [[nodiscard]] std::optional<JointVector> q_rad_at(double time_s) const;

@@ -23,7 +23,7 @@ std::string ProgramWatch::step(SensorClock::time_point instant, const RtdeInputs
   }
   if (!program_) return {};
   const double time_s = seconds(instant - begin_);
-  begin_events(time_s);
+  begin_events(running.time_s, time_s);
   const RunningThread::World world{
       .input_register = [&](int number) { return inputs.input_register(number); },
       .set_output = [&](int number, bool on) { arm_.set_output(number, on, instant); }};
@@ -35,17 +35,17 @@ std::string ProgramWatch::step(SensorClock::time_point instant, const RtdeInputs
   return look_at_watchdogs(instant, inputs);
 }
 
-void ProgramWatch::begin_events(double time_s) {
+void ProgramWatch::begin_events(double program_s, double time_s) {
   const auto& events = program_->events();
-  for (; events_done_ < events.size() && events[events_done_].time_s <= time_s; ++events_done_) {
+  for (; events_done_ < events.size() && events[events_done_].time_s <= program_s; ++events_done_) {
     const ProgramEvent& event = events[events_done_];
     if (const auto* run = std::get_if<RunThreadStep>(&event.step)) {
       const ThreadCode* code = program_->thread(run->name);
-      if (code != nullptr) threads_.insert_or_assign(run->name, RunningThread{*code, event.time_s});
+      if (code != nullptr) threads_.insert_or_assign(run->name, RunningThread{*code, time_s});
     } else if (const auto* kill = std::get_if<KillThreadStep>(&event.step)) {
       threads_.erase(kill->name);
     } else if (const auto* watchdog = std::get_if<WatchdogStep>(&event.step)) {
-      watchdogs_.insert_or_assign(watchdog->variable, Watchdog{event.time_s, *watchdog});
+      watchdogs_.insert_or_assign(watchdog->variable, Watchdog{time_s, *watchdog});
     }
   }
 }

@@ -33,7 +33,8 @@ class ProgramWatch {
     double begin_s;
     WatchdogStep told;
   };
-  void begin_events(double time_s);
+  /// Of the program until `program_s` of its own time, which is `time_s` after its begin.
+  void begin_events(double program_s, double time_s);
   [[nodiscard]] std::string look_at_watchdogs(SensorClock::time_point instant, const RtdeInputs& inputs);
 
   Arm& arm_;

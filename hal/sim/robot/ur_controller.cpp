@@ -75,7 +75,9 @@ UrController::UrController(const Config& config, Arm& arm, OnCycle on_cycle)
       arm_(arm),
       on_cycle_(std::move(on_cycle)),
       values_(arm.kinematics()),
-      program_watch_(arm) {}
+      program_watch_(arm),
+      slider_wish_{config.speed_slider_ratio},
+      pace_ratio_{config.speed_slider_ratio} {}
 
 UrController::~UrController() {
   stopping_ = true;
@@ -127,8 +129,19 @@ void UrController::wait_until(SensorClock::time_point instant) {
   ppoll(waits.data(), waits.size(), &timeout, nullptr);
 }
 
+void UrController::set_arms_speed(SensorClock::time_point instant) {
+  constexpr double k_ramp_per_s = 2;
+  if (const double wish = slider_wish_.exchange(-1); wish >= 0) values_.set_speed_slider(wish);
+  values_.set_speed_scaling(speed_scaling_);
+  const double wanted = values_.speed_slider_ratio() * values_.speed_scaling();
+  const double step = k_ramp_per_s / config_.rate_hz;
+  pace_ratio_ = std::clamp(wanted, pace_ratio_ - step, pace_ratio_ + step);
+  arm_.set_speed(pace_ratio_, instant);
+}
+
 void UrController::cycle(std::uint64_t number) {
   const auto instant = instant_of(number);
+  set_arms_speed(instant);
   if (const std::string cut = program_watch_.step(instant, values_); !cut.empty()) {
     ++programs_cut_;
     for (const auto& client : rtde_clients_)
@@ -166,6 +179,27 @@ void UrController::pass_on(RtdeClient& client) {
   bytes.clear();
 }
 
+/// A robot state message with its kinematics info alone: check sums, rows in metres, 0 for "calibrated".
+std::vector<std::uint8_t> UrController::told_kinematics(const ArmKinematics& arm) {
+  constexpr std::uint8_t k_robot_state = 16, k_kinematics = 5;
+  constexpr std::uint32_t k_head = 5, k_bytes = k_head + 6 * 4 + 4 * 6 * 8 + 4;
+  constexpr double k_m_per_mm = 1e-3;
+  std::vector<std::uint8_t> bytes;
+  rtde::Writer writer(bytes);
+  writer.put(k_head + k_bytes);
+  writer.put(k_robot_state);
+  writer.put(k_bytes);
+  writer.put(k_kinematics);
+  for (int joint = 0; joint < 6; ++joint) writer.put(std::uint32_t{0});
+  using Row = ArmKinematics::DhRow;
+  for (const Row& row : arm.rows()) writer.put(row.theta_rad);
+  for (const Row& row : arm.rows()) writer.put(k_m_per_mm * row.a_mm);
+  for (const Row& row : arm.rows()) writer.put(k_m_per_mm * row.d_mm);
+  for (const Row& row : arm.rows()) writer.put(row.alpha_rad);
+  writer.put(std::uint32_t{0});
+  return bytes;
+}
+
 void UrController::accept_clients() {
   if (hal::Descriptor socket = accept_from(rtde_listener_); socket.is_open()) {
     rtde_clients_.push_back(std::make_unique<RtdeClient>(rtde::ControllerSession::Config{
@@ -177,6 +211,7 @@ void UrController::accept_clients() {
     if (hal::Descriptor socket = accept_from(*listener); socket.is_open()) {
       script_clients_.push_back(std::make_unique<Client>());
       script_clients_.back()->socket = std::move(socket);
+      script_clients_.back()->outgoing = told_kinematics(arm_.kinematics());
     }
   }
   if (hal::Descriptor socket = accept_from(dashboard_listener_); socket.is_open()) {
@@ -273,7 +308,7 @@ std::vector<std::uint8_t> UrController::primary_state(const ArmState& state, Nan
   writer.put(std::uint8_t{7});  // robot mode RUNNING
   writer.put(std::uint8_t{0});  // control mode POSITION
   writer.put(values_.speed_slider_ratio());
-  writer.put(1.0);              // speed scaling
+  writer.put(values_.speed_scaling());
   writer.put(1.0);              // limit of the speed slider
   writer.put(std::uint8_t{0});  // kept free
   return bytes;

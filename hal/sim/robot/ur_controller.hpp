@@ -20,10 +20,11 @@ namespace biteline::sim {
 ///
 /// Dashboard: robotmode, safetystatus, safetymode, running, programState, stop, "is in remote control",
 /// "unlock protective stop", PolyscopeVersion, "get robot model", "get serial number", quit; other lines get
-/// the real one's answer to the unknown.  Script port and primary port send the robot's mode ten times a
-/// second (Universal Robots, "Client interfaces", robot state message with its robot mode data) and take
-/// scripts; who does not read there loses states. Threads of a program and its watchdogs on RTDE inputs run
-/// on the controller's cycles. Thread: any for the public methods.
+/// the real one's answer to the unknown.  Script port and primary port send the arm's kinematics to who
+/// connects and the robot's mode ten times a second (Universal Robots, "Client interfaces", robot state
+/// message with its kinematics info and robot mode data) and take scripts; who does not read there loses
+/// states. Threads of a program and its watchdogs on RTDE inputs run on the controller's cycles. Thread: any
+/// for the public methods.
 class UrController {
  public:
   struct Config {
@@ -33,6 +34,7 @@ class UrController {
     std::uint16_t primary_port{0};    ///< 30001
     int rate_hz{500};                 ///< 125: as a CB3
     Nanoseconds clock_offset{0};      ///< controller clock minus this machine's monotonic clock
+    double speed_slider_ratio{1};     ///< where the pendant's slider stands at first
     std::string model{"UR5e"};
     std::string serial{"20235500001"};
   };
@@ -56,6 +58,11 @@ class UrController {
   /// no program until it is let go.
   void set_remote_control(bool on) { remote_control_ = on; }
   void set_protective_stop(bool on) { protective_stop_ = on; }
+  /// The pendant's speed slider, 0 to 1: programs go at that share of their speed, after a ramp of half a
+  /// second for the whole of it.  RTDE clients may set it, too.
+  void set_speed_slider(double ratio) { slider_wish_ = ratio; }
+  /// What a limit of the controller's own leaves of the speed, 0 to 1; told as speed_scaling.
+  void set_speed_scaling(double ratio) { speed_scaling_ = ratio; }
   /// As a real one does when it goes to local control: it ends each connection to the script port.
   void close_script_connections() { close_scripts_ = true; }
   [[nodiscard]] std::uint64_t scripts_run() const { return scripts_run_.load(); }
@@ -79,10 +86,12 @@ class UrController {
   UrController(const Config& config, Arm& arm, OnCycle on_cycle);
   void serve();
   void cycle(std::uint64_t number);
+  void set_arms_speed(SensorClock::time_point instant);
   void wait_until(SensorClock::time_point instant);
   static void pass_on(RtdeClient& client);
   void accept_clients();
   void serve_rtde();
+  [[nodiscard]] static std::vector<std::uint8_t> told_kinematics(const ArmKinematics& arm);
   [[nodiscard]] std::vector<std::uint8_t> primary_state(const ArmState& state, Nanoseconds stamp) const;
   void serve_scripts();
   void serve_dashboard();
@@ -100,6 +109,9 @@ class UrController {
   TcpListener rtde_listener_, script_listener_, dashboard_listener_, primary_listener_;
   std::shared_ptr<rtde::InputOwners> input_owners_{std::make_shared<rtde::InputOwners>()};
   std::atomic<bool> remote_control_{true}, protective_stop_{false}, close_scripts_{false};
+  std::atomic<double> slider_wish_{-1};  ///< negative: nobody has touched it
+  std::atomic<double> speed_scaling_{1};
+  double pace_ratio_{1};  ///< the arm's, on its way to slider times scaling
   std::vector<std::unique_ptr<RtdeClient>> rtde_clients_;
   std::vector<std::unique_ptr<Client>> script_clients_, dashboard_clients_;
   SensorClock::time_point begin_;

@@ -122,7 +122,7 @@ rtde::Value UrValues::value_of(std::string_view name) const {
   if (name == "runtime_state") return state_.program_running ? k_playing : k_stopped;
   if (name == "robot_status_bits") return k_power_on | (state_.program_running ? k_program_running : 0U);
   if (name == "safety_status_bits") return protective_stop_ ? k_safety_protective : k_safety_normal;
-  if (name == "speed_scaling") return 1.0;
+  if (name == "speed_scaling") return speed_scaling_;
   if (name == "target_speed_fraction") return speed_slider_ratio_;
   if (const auto input = inputs_.find(name); input != inputs_.end()) return input->second;
   if (name == "payload") return state_.payload.mass_kg;

@@ -29,6 +29,11 @@ class UrValues final : public rtde::ValueSource, public RtdeInputs {
   /// Held by the safety system, as after a collision.
   void set_protective_stop(bool on) { protective_stop_ = on; }
   [[nodiscard]] double speed_slider_ratio() const { return speed_slider_ratio_; }
+  /// By hand, at the pendant.
+  void set_speed_slider(double ratio) { speed_slider_ratio_ = ratio; }
+  /// What the controller's own limits leave of the programmed speed; beside the slider.
+  [[nodiscard]] double speed_scaling() const { return speed_scaling_; }
+  void set_speed_scaling(double ratio) { speed_scaling_ = ratio; }
 
   [[nodiscard]] rtde::Value value_of(std::string_view name) const override;
 
@@ -40,7 +45,7 @@ class UrValues final : public rtde::ValueSource, public RtdeInputs {
   ArmKinematics kinematics_;
   ArmState state_;
   double timestamp_s_{0};
-  double speed_slider_ratio_{1};
+  double speed_slider_ratio_{1}, speed_scaling_{1};
   bool protective_stop_{false};
   std::map<std::string, rtde::Value, std::less<>> inputs_;
   std::map<std::string, SensorClock::time_point> written_;

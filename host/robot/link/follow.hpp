@@ -14,7 +14,7 @@ namespace biteline::robot {
 struct FollowOptions {
   double start_patience_s{5};  ///< from sending to the program's first motion
   double way_there_rad{30};    ///< of the joints' way to the path's beginning, at its speed
-  double slowest_ratio{0.1};   ///< of the planned speed: the operator's slider
+  double slowest_ratio{0.05};  ///< of the planned speed over the whole run: the operator's slider
   /// Of a state. The word that stops an arm is on the wire 0.1 s after the state beyond a limit; a view that
   /// is older by as much again lets the arm go twice as far.
   double age_s{0.1};

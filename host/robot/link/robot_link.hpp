@@ -32,7 +32,7 @@ struct RobotState {
   Safety safety{Safety::Stopped};
   std::optional<path::Payload>
       payload{};                     ///< as the controller has it; nothing: not asked, or too old to say
-  double speed_ratio{0};             ///< of the programmed speed: the slider, or a safety limit
+  double speed_ratio{0};             ///< of the programmed speed: the slider times the limits
   std::uint64_t digital_outputs{0};  ///< bits, as they are at the controller's terminals
 
   [[nodiscard]] bool output_on(int number) const {

@@ -261,6 +261,25 @@ ORDINARY_TIMED_TEST(FollowFaults, FarTooSlowOrTooFastStopsTheArm) {
     if (share > 0 && !state.stopped) state.lie = true;
   };
   stops("at a third of the speed, slider at 1", Halt::Late, whole, 20, 0.33);
+  const auto says_slow = [](double PlayedState::*told) {
+    return [told](PlayedState& state, double share) {
+      if (share <= 0 || state.stopped) return;
+      state.lie = true;
+      state.*told = 0.1;
+    };
+  };
+  stops("at full speed, slider at 0.1", Halt::Late, says_slow(&PlayedState::speed_slider), 20);
+  stops("at full speed, limits leave 0.1", Halt::Late, says_slow(&PlayedState::speed_scaling), 20);
+}
+
+TEST(FollowFaults, SliderAndLimitsAreOneSpeed) {
+  const auto tells = [](PlayedState& state, double) {
+    state.speed_scaling = 0.5;
+    state.speed_slider = 0.6;
+  };
+  const Played played = play(tells, 0.3);
+  CHECK_TEXT(played.followed.has_value(), played.followed ? "" : to_line(played.followed.error()).c_str());
+  DOUBLES_EQUAL(0.3, played.report.slowest_speed_ratio, 1e-12);
 }
 
 ORDINARY_TIMED_TEST(FollowFaults, SafetyAndPowerStopTheArm) {

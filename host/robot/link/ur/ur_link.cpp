@@ -34,16 +34,23 @@ enum Field : std::size_t {
   SafetyMode,
   RuntimeStatus,
   SpeedScaling,
+  SpeedSlider,
   DigitalOutputs,
   PayloadMass,  // from here on only where it is asked for
   PayloadCentre
 };
 std::vector<rtde::Variable> variables(bool with_payload) {
   using enum rtde::FieldType;
-  std::vector<rtde::Variable> all{
-      {"timestamp", Double},     {"actual_q", Vector6d},    {"actual_TCP_pose", Vector6d},
-      {"tcp_offset", Vector6d},  {"robot_mode", Int32},     {"safety_mode", Int32},
-      {"runtime_state", Uint32}, {"speed_scaling", Double}, {"actual_digital_output_bits", Uint64}};
+  std::vector<rtde::Variable> all{{"timestamp", Double},
+                                  {"actual_q", Vector6d},
+                                  {"actual_TCP_pose", Vector6d},
+                                  {"tcp_offset", Vector6d},
+                                  {"robot_mode", Int32},
+                                  {"safety_mode", Int32},
+                                  {"runtime_state", Uint32},
+                                  {"speed_scaling", Double},
+                                  {"target_speed_fraction", Double},
+                                  {"actual_digital_output_bits", Uint64}};
   if (with_payload) all.insert(all.end(), {{"payload", Double}, {"payload_cog", Vector3d}});
   return all;
 }
@@ -90,7 +97,8 @@ Result<RobotState> to_state(std::span<const rtde::Value> values) {
                  : safety == k_safety_reduced ? Safety::Reduced
                                               : Safety::Stopped;
   state.program_running = std::get<std::uint32_t>(values[RuntimeStatus]) != k_runtime_stopped;
-  const double speed = std::get<double>(values[SpeedScaling]);
+  // Two numbers of the controller: what its own limits leave, and the slider.  Each may be told alone as 1.
+  const double speed = std::get<double>(values[SpeedScaling]) * std::get<double>(values[SpeedSlider]);
   state.speed_ratio = std::isfinite(speed) ? speed : 0;
   state.digital_outputs = std::get<std::uint64_t>(values[DigitalOutputs]);
   if (values.size() > PayloadCentre) {

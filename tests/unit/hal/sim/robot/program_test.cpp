@@ -50,6 +50,21 @@ TEST(Program, OutputsChangeWhenTheMovesBeforeThemAreDone) {
   LONGS_EQUAL(0, sut.outputs_at(sut.duration_s() + 0.1));
 }
 
+TEST(Program, MovesGoAtTheSlidersShareAndWaitsAsTheyAre) {
+  const Program sut = planned(
+      "movej([0.5,-1.2,1.5,-1.6,-1.4,0.4], a=1, v=0.5)\n"
+      "sleep(2)\n"
+      "movej([0.1,-1.4,1.7,-1.8,-1.5,0.2], a=1, v=0.5)\n");
+  DOUBLES_EQUAL(2 * 1.3 + 2, sut.duration_s(), 1e-6);
+  DOUBLES_EQUAL(0.65, sut.later_s(0, 1.3, 0.5), 1e-12);
+  DOUBLES_EQUAL(1.3, sut.later_s(0, 2.6, 0.5), 1e-6);
+  DOUBLES_EQUAL(3.3, sut.later_s(0, 4.6, 0.5), 1e-6);
+  DOUBLES_EQUAL(4.6, sut.later_s(0, 7.2, 0.5), 1e-6);
+  DOUBLES_EQUAL(5.6, sut.later_s(0, 8.2, 0.5), 1e-6);  // behind its end time goes on
+  DOUBLES_EQUAL(0.4, sut.later_s(0.4, 100, 0), 0);
+  DOUBLES_EQUAL(3.3, sut.later_s(2, 100, 0), 1e-6);  // what waits ends, what comes then does not begin
+}
+
 TEST(Program, NeverJumps) {
   const Program sut = planned(
       "set_tcp(p[0,0,0.1,0,0,0])\n"

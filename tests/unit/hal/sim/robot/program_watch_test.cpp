@@ -4,6 +4,8 @@
 
 #include <CppUTest/TestHarness.h>
 
+#include "tests/support/transforms.hpp"
+
 namespace biteline::sim {
 
 namespace {
@@ -88,6 +90,33 @@ TEST(ProgramWatch, WatchedProgramGoesOn) {
   CHECK(!cut_at(0, 19, 0.002, 19));
   CHECK(arm.at(at(19)).program_running);
   LONGS_EQUAL(0b1001, arm.at(at(19)).outputs);
+}
+
+/// A slider at nothing stops the moves, and neither the watchdog nor the thread that watches.
+TEST(ProgramWatch, SliderAtNothingStopsTheMovesAndNoWatch) {
+  const char* const moves =
+      "def job():\n  rtde_set_watchdog(\"input_int_register_47\", 2, \"stop\")\n"
+      "  set_standard_digital_out(0, True)\n"
+      "  movej([0.5,-1.2,1.5,-1.6,-1.4,0.4], a=1, v=0.5)\n"
+      "  set_standard_digital_out(0, False)\nend\n";
+  run(moves);
+  arm.set_speed(0, at(0.5));
+  CHECK(!cut_at(0, 10, 0.002, 10));
+  CHECK(arm.at(at(10)).program_running);
+  LONGS_EQUAL(1, arm.at(at(10)).outputs);
+  TRANSFORMS_EQUAL(arm.at(at(0.5)).T_base_flange, arm.at(at(10)).T_base_flange, 1e-9, 1e-12);
+  arm.set_speed(0.5, at(10));
+  CHECK(arm.at(at(11.59)).program_running);
+  CHECK_FALSE(arm.at(at(11.61)).program_running);  // 0.8 s of the program at half its speed
+  LONGS_EQUAL(0, arm.at(at(11.61)).outputs);
+  arm.set_speed(1, at(12));
+
+  run(moves);
+  arm.set_speed(0, at(0.5));
+  beaten_s = 0;
+  const auto cut = cut_at(0, 10, 0.002, 2);
+  CHECK(cut.has_value());
+  DOUBLES_EQUAL(2.5, *cut, 0.03);
 }
 
 TEST(ProgramWatch, CountThatStandsStillTurnsTheToolOffAndHaltsOnBothSeries) {

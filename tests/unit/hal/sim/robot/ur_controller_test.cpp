@@ -229,12 +229,17 @@ TEST(UrController, NoProgramRunsInLocalModeOrInAProtectiveStop) {
 TEST(UrController, ThePrimaryPortSendsStates) {
   const hal::Descriptor primary = connect_to(sut->ports().primary);
   std::vector<std::uint8_t> bytes;
-  for (int i = 0; i < k_patience_ms && bytes.size() < 104; ++i) {
+  // First, once: the arm's kinematics.
+  constexpr std::size_t k_kinematics = 230;
+  for (int i = 0; i < k_patience_ms && bytes.size() < k_kinematics + 104; ++i) {
     pollfd wait{primary.number(), POLLIN, 0};
     poll(&wait, 1, 1);
     CHECK(read_available(primary, bytes));
   }
-  CHECK(bytes.size() >= 104);
+  CHECK(bytes.size() >= k_kinematics + 104);
+  const std::vector<std::uint8_t> first{0, 0, 0, 230, 16, 0, 0, 0, 225, 5};
+  CHECK(std::equal(first.begin(), first.end(), bytes.begin()));
+  bytes.erase(bytes.begin(), bytes.begin() + k_kinematics);
   for (const std::size_t at : {std::size_t{0}, std::size_t{52}}) {
     const std::vector<std::uint8_t> head(bytes.begin() + static_cast<std::ptrdiff_t>(at),
                                          bytes.begin() + static_cast<std::ptrdiff_t>(at + 10));

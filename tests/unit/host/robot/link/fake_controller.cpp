@@ -40,6 +40,7 @@ struct Values : rtde::ValueSource {
     if (name == "safety_mode") return now.safety_mode;
     if (name == "runtime_state") return now.runtime_state;
     if (name == "speed_scaling") return now.speed_scaling;
+    if (name == "target_speed_fraction") return now.speed_slider;
     if (name == "actual_TCP_pose") return now.tcp_pose;
     if (name == "actual_q") return now.q;
     if (name == "tcp_offset") return now.tcp_offset;

@@ -25,7 +25,7 @@ struct PlayedState {
   std::array<double, 6> q{}, tcp_pose{0.5, -0.25, 0.125, 0, 3.0, 0}, tcp_offset{0, 0, 0.15, 0, 0, 0};
   std::int32_t robot_mode{7}, safety_mode{1};
   std::uint32_t runtime_state{1};
-  double speed_scaling{1};
+  double speed_scaling{1}, speed_slider{1};
   std::uint64_t outputs{0};  ///< digital, as bits
   bool send{true};
   bool remote{true};  ///< its answer to "is in remote control"
