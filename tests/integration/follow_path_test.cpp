@@ -4,16 +4,22 @@
 #include <CppUTest/TestHarness.h>
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <cstdio>
 #include <numbers>
+#include <thread>
 
 #include "hal/sim/robot/program.hpp"
 #include "hal/sim/robot/ur_controller.hpp"
 #include "host/robot/link/follow.hpp"
 #include "host/robot/link/ur/script.hpp"
+#include "host/robot/link/ur/told_kinematics.hpp"
 #include "host/robot/link/ur/ur_link.hpp"
 #include "host/robot/path/checks/program_check.hpp"
 #include "host/robot/path/first_run.hpp"
+#include "tests/support/transforms.hpp"
+#include "tests/unit/host/robot/kinematics/arms.hpp"
 #include "tests/unit/host/robot/link/permitted.hpp"
 #include "tests/unit/host/robot/link/planned.hpp"
 
@@ -211,6 +217,79 @@ TEST(FollowPath, SentOverTheNetworkAndFollowedInRealTime) {
   check("over RTDE", report.deviation);
   CHECK_EQUAL(1U, (*controller)->scripts_run());
   CHECK(report.deviation.samples > 100 * path.duration_s());  // 500 Hz, and a busy machine may lose some
+}
+
+/// An arm as it leaves the factory: its controller's rows are those by which it moves, and a path planned
+/// with them is met.
+TEST(FollowPath, ArmsOwnKinematicsComeFromItsController) {
+  const kinematics::ArmModel nominal = *kinematics::arm_model("UR5e");
+  double most_off_mm = 0;
+  for (const std::uint64_t seed : {1U, 2U, 3U}) {
+    const sim::ArmKinematics own = kinematics.made(seed);
+    sim::Arm arm{own, T_base_flange_home(own)};
+    const auto controller = sim::UrController::open({}, arm, {});
+    CHECK(controller.has_value());
+    for (const std::uint16_t port : {(*controller)->ports().script, (*controller)->ports().primary}) {
+      const auto told = ur::ask_kinematics({.host = "127.0.0.1", .port = port}, std::chrono::seconds{10});
+      CHECK_TEXT(told.has_value(), told ? "" : to_line(told.error()).c_str());
+      const auto model = kinematics::with_rows(nominal, told->rows, "told");
+      CHECK_TEXT(model.has_value(), model ? "" : to_line(model.error()).c_str());
+      kinematics::test::RandomJoints random{seed};
+      for (int i = 0; i < 50; ++i) {
+        const kinematics::Joints q_rad = random.next();
+        TRANSFORMS_EQUAL(own.T_base_flange(q_rad), kinematics::forward(*model, q_rad), 1e-6, 1e-9);
+        most_off_mm = std::max(most_off_mm, (own.T_base_flange(q_rad).translation() -
+                                             kinematics::forward(nominal, q_rad).translation())
+                                                .norm());
+      }
+    }
+  }
+  // As published arms are: some millimetres beside the nominal one.
+  CHECK(most_off_mm > 1);
+  CHECK(most_off_mm < 10);
+}
+
+/// Half speed, a tenth, a hand that stops it for five seconds, and the whole again: nothing is stopped, and
+/// the tool is on along the line alone.
+TEST(FollowPath, OperatorsSliderIsObeyedAndNoFault) {
+  sim::Arm arm{kinematics, T_base_flange_home(kinematics)};
+  const auto controller = sim::UrController::open({.speed_slider_ratio = 0.5}, arm, {});
+  CHECK(controller.has_value());
+  const auto link = link_to(**controller);
+  const path::CheckedPath path = test::planned_path("spray.yaml");
+  std::atomic<bool> over{false};
+  const auto on_line = [&] {
+    const sim::ArmState state = arm.at(hal::monotonic_now());
+    return state.program_running && state.program_name == ur::k_program_name && state.outputs != 0;
+  };
+  const auto pass = [&](double time_s) {
+    const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(time_s);
+    while (!over && std::chrono::steady_clock::now() < until)
+      std::this_thread::sleep_for(std::chrono::milliseconds{10});
+  };
+  double stood_mm = -1;
+  std::thread hand{[&] {
+    while (!over && !on_line()) std::this_thread::sleep_for(std::chrono::milliseconds{5});
+    (*controller)->set_speed_slider(0.1);
+    pass(2);
+    (*controller)->set_speed_slider(0);
+    pass(1);
+    const Vec3 before = arm.at(hal::monotonic_now()).T_base_flange.translation();
+    pass(4);
+    stood_mm = (arm.at(hal::monotonic_now()).T_base_flange.translation() - before).norm();
+    (*controller)->set_speed_slider(1);
+    (*controller)->set_speed_scaling(0.7);
+  }};
+  FollowReport report;
+  const auto followed = follow(**link, test::permitted(path, (*link)->latest()->q_rad), {}, report);
+  over = true;
+  hand.join();
+  CHECK_TEXT(followed.has_value(), followed ? "" : to_line(followed.error()).c_str());
+  check("slider", report.deviation);
+  DOUBLES_EQUAL(0, report.slowest_speed_ratio, 0);
+  DOUBLES_EQUAL(0, stood_mm, 0);
+  CHECK(report.duration_s > path.duration_s() / 0.7 + 5);
+  LONGS_EQUAL(0, arm.at(hal::monotonic_now()).outputs);
 }
 
 }  // namespace biteline::robot

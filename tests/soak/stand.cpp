@@ -98,6 +98,7 @@ Result<std::unique_ptr<Stand>> Stand::open(const StandSettings& settings) {
                 .rate_hz = 50};
   live.wires = "biteline-soak-" + std::to_string(::getpid());
   live.arm = k_arm;
+  live.arm_seed = settings.seed;
   live.keep_track = false;
   live.robot.model = "UR5E";
   live.monostable = std::chrono::milliseconds{60};

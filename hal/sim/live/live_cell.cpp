@@ -95,9 +95,10 @@ LiveCell::~LiveCell() {
 }
 
 Result<std::unique_ptr<LiveCell>> LiveCell::open(const LiveSettings& settings) {
-  const auto kinematics = ArmKinematics::named(settings.arm);
-  if (!kinematics)
+  const auto nominal = ArmKinematics::named(settings.arm);
+  if (!nominal)
     return fail(Errc::InvalidArgument, "arm '%s': ur3e, ur5e or ur10e expected", settings.arm.c_str());
+  const ArmKinematics kinematics = nominal->made(settings.arm_seed);
   BITELINE_ASSIGN(auto scene, make_scene(settings.scene));
   // As its camera powers up; a calibration would tell the same.
   geometry::CameraState& camera_state = scene->head.model.camera_state;
@@ -106,9 +107,9 @@ Result<std::unique_ptr<LiveCell>> LiveCell::open(const LiveSettings& settings) {
   camera_state[geometry::StateKey::SensorHeight] = scene->head.sensor_height_px;
   ReachableScan reachable;
   if (settings.scene.holder == Holder::Bracket && !settings.targets) {
-    BITELINE_ASSIGN(reachable, place_within_reach(*scene, *kinematics, settings.arm));
+    BITELINE_ASSIGN(reachable, place_within_reach(*scene, kinematics, settings.arm));
   }
-  std::unique_ptr<LiveCell> cell(new LiveCell(settings, std::move(scene), *kinematics, std::move(reachable)));
+  std::unique_ptr<LiveCell> cell(new LiveCell(settings, std::move(scene), kinematics, std::move(reachable)));
   LiveCell* self = cell.get();
 
   {

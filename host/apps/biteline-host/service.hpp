@@ -83,8 +83,7 @@ class Service {
     /// What this scan shows of it, looked at meanwhile; none: not yet, or no more.
     std::future<Result<drift::Evidence>> calibration{};
     bool calibration_checked{false};
-    std::future<std::optional<kinematics::Joints>>
-        arm_rad{};  ///< where it stood after the scan, asked meanwhile
+    std::future<ArmSeen> arm_seen{};  ///< after the scan, asked meanwhile
   };
   /// Of the sensor, for a scan that has neither begun nor been refused.
   struct Asked {

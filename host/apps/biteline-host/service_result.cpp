@@ -67,7 +67,7 @@ Result<ExitStatus> Service::work_out_files(Scan& scan) {
   Result<ExitStatus> status = without_exceptions([&]() -> Result<ExitStatus> {
     // Beside the line, so that the path waits for neither.
     if (robot_ && robot_->options.send)
-      scan.arm_rad = std::async(std::launch::async, where_arm_is, controller_of(robot_->options));
+      scan.arm_seen = std::async(std::launch::async, see_arm, controller_of(robot_->options), robot_->arm);
     BITELINE_ASSIGN(line, work_out_line(scan, outcome));
     if (!path_follows()) BITELINE_TRY(line.pages.write(outcome.cloud));
     return line.status;
@@ -274,12 +274,13 @@ Result<ExitStatus> Service::work_out_path(Scan& scan, const intake::ScanOutcome&
                                           bool held) {
   const std::string name = scan.folder.filename().string();
   BITELINE_ASSIGN(const path::Mounted taught, mounted());
-  const PlanStepRequest request{.arm = robot_->arm,
+  ArmSeen arm = scan.arm_seen.valid() ? scan.arm_seen.get() : ArmSeen{.arm = robot_->arm};
+  const PlanStepRequest request{.arm = std::move(arm.arm),
                                 .process = process_of(scan.chosen),
                                 .table_z_mm = robot_->options.table_z_mm,
                                 .fixture = fixture_of(robot_->options),
                                 .mounted = taught,
-                                .near_rad = scan.arm_rad.valid() ? scan.arm_rad.get() : std::nullopt};
+                                .near_rad = arm.q_rad};
   cockpit_->show(Phase::Working, "plans the path of " + name,
                  robot_->options.send ? "the arm follows it" : "the next scan");
   // Who stops has to know before the arm sets out; who warns does not keep it waiting.

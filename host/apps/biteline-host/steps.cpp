@@ -2,13 +2,11 @@
 #include "host/apps/biteline-host/steps.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <cstdarg>
 #include <cstdio>
 #include <memory>
-#include <mutex>
 
 #include "common/core/fixed_text.hpp"
 #include "host/apps/biteline-host/refused.hpp"
@@ -30,8 +28,6 @@
 #include "host/records/results/view/view_data.hpp"
 #include "host/robot/link/follow.hpp"
 #include "host/robot/link/gate/gate_file.hpp"
-#include "host/robot/link/ur/controller_words.hpp"
-#include "host/robot/link/ur/ur_link.hpp"
 #include "host/robot/path/certainty.hpp"
 #include "host/robot/path/checks/way_there.hpp"
 
@@ -41,7 +37,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* k_gate_file = "gate.json";
-constexpr Nanoseconds k_dashboard_patience{2'000'000'000};
 
 Result<LineStep> keep_unfinished(const fs::path& folder, const intake::ScanOutcome& scan,
                                  report::Report& report) {
@@ -90,40 +85,6 @@ void fill_scan(const intake::ScanOutcome& scan, const std::string& release, repo
   report.fields["scan"] = intake::account_of(scan.counts, scan.sensor_counters, scan.sensor_stages);
   report.fields["devices"] = intake::account_of(scan.sensor_devices);
   report.fields["messages_lost"] = scan.messages_lost;
-}
-
-/// The dashboard's place; without being told, the usual port beside the script's.
-Result<robot::ur::Endpoint> dashboard_of(const ControllerAddress& controller) {
-  BITELINE_ASSIGN(const HostPort script, parse_host_port(controller.script));
-  if (controller.dashboard.empty())
-    return robot::ur::Endpoint{.host = script.host, .port = robot::ur::UrLink::Config{}.dashboard_port};
-  BITELINE_ASSIGN(const HostPort dashboard, parse_host_port(controller.dashboard));
-  if (dashboard.host != script.host) {
-    return fail(Errc::InvalidArgument, "--dashboard %s and --script %s are two machines",
-                controller.dashboard.c_str(), controller.script.c_str());
-  }
-  return robot::ur::Endpoint{.host = dashboard.host, .port = dashboard.port};
-}
-
-Result<std::unique_ptr<robot::ur::UrLink>> open_robot(
-    const ControllerAddress& controller,
-    double connect_patience_s = robot::ur::UrLink::Config{}.connect_patience_s,
-    robot::ur::ArmClaim* claim = nullptr) {
-  BITELINE_ASSIGN(const HostPort rtde, parse_host_port(controller.rtde));
-  BITELINE_ASSIGN(const HostPort script, parse_host_port(controller.script));
-  if (rtde.host != script.host) {
-    return fail(Errc::InvalidArgument, "--rtde %s and --script %s are two machines", controller.rtde.c_str(),
-                controller.script.c_str());
-  }
-  BITELINE_ASSIGN(const robot::ur::Endpoint dashboard, dashboard_of(controller));
-  robot::ur::UrLink::Config config;
-  config.host = rtde.host;
-  config.rtde_port = rtde.port;
-  config.script_port = script.port;
-  config.dashboard_port = dashboard.port;
-  config.connect_patience_s = connect_patience_s;
-  config.claim = claim;
-  return robot::ur::UrLink::open(config);
 }
 
 double seconds_since(HostClock::time_point instant) {
@@ -264,17 +225,6 @@ Result<void> write_followed(const fs::path& folder, const robot::FollowReport& f
 
 }  // namespace
 
-Result<HostPort> parse_host_port(const std::string& text) {
-  const std::size_t colon = text.rfind(':');
-  HostPort parsed{.host = text.substr(0, colon), .port = 0};
-  const char* end = text.data() + text.size();
-  if (colon == std::string::npos || colon == 0 ||
-      std::from_chars(text.data() + colon + 1, end, parsed.port).ptr != end || parsed.port == 0) {
-    return fail(Errc::InvalidArgument, "controller '%s': HOST:PORT expected", text.c_str());
-  }
-  return parsed;
-}
-
 void say_step(const char* pattern, ...) {
   char text[1024];
   std::va_list arguments;
@@ -354,15 +304,6 @@ Result<LineStep> carry_line(const fs::path& folder, const Carrier& carrier, cons
   return step;
 }
 
-std::optional<kinematics::Joints> where_arm_is(const ControllerAddress& controller) {
-  constexpr double k_patience_s = 0.5;
-  const auto link = open_robot(controller, k_patience_s);
-  if (!link) return std::nullopt;
-  const Result<robot::RobotState> state = (*link)->latest();
-  if (!state) return std::nullopt;
-  return state->q_rad;
-}
-
 Result<PlanStep> plan_path(const fs::path& folder, const PlanStepRequest& request,
                            const intake::ScanOutcome& scan, const cloud::ClosedLine& line) {
   path::PlanRequest plan_request;
@@ -391,58 +332,6 @@ Result<PlanStep> plan_again(const fs::path& folder, path::PlanRequest plan_reque
     say_step("refused: no path: %s", outcome.reason().c_str());
   }
   return PlanStep{.status = status, .request = std::move(plan_request), .outcome = std::move(outcome)};
-}
-
-namespace {
-
-/// A service that was killed leaves its program running; a scan's own way ends after the scan does.
-Result<void> arm_stands(const ControllerAddress& controller) {
-  BITELINE_ASSIGN(const std::unique_ptr<robot::ur::UrLink> link, open_robot(controller));
-  BITELINE_TRY(robot::wait_until_still(*link, {.patience_s = 1}));
-  return {};
-}
-
-/// Of what is looked at again and again: a line that says nothing new fills logs.
-void say_when_new(const std::string& line) {
-  static std::mutex mutex;
-  static std::string last;
-  const std::lock_guard lock{mutex};
-  if (line == last) return;
-  last = line;
-  say_step("%s", line.c_str());
-}
-
-}  // namespace
-
-ControllerLook look_at_controller(const ControllerAddress& controller, const std::string& arm,
-                                  const std::string& serial) {
-  const Result<robot::ur::Endpoint> dashboard = dashboard_of(controller);
-  ControllerLook look{
-      .words = dashboard ? robot::ur::ask_controller(*dashboard, k_dashboard_patience)
-                         : Result<robot::ur::ControllerWords>{tl::unexpected<Error>{dashboard.error()}},
-      .wrong = {}};
-  say_when_new("robot: " + (look.words ? robot::ur::summary(*look.words) : to_line(look.words.error())));
-  if (!look.words) {
-    look.wrong = to_line(look.words.error());
-    return look;
-  }
-  robot::ArmFacts facts;
-  facts.arm = arm;
-  if (!serial.empty()) facts.serial = serial;
-  facts.told_version = look.words->version;
-  facts.told_model = look.words->model;
-  facts.told_serial = look.words->serial;
-  facts.told_remote = look.words->remote;
-  look.wrong = robot::why_not_ready(facts);
-  const std::string mode = look.words->robot_mode.value_or("");
-  if (look.wrong.empty() && (mode == "POWER_OFF" || mode == "DISCONNECTED" || mode == "NO_CONTROLLER"))
-    look.wrong = "the arm has no power (" + mode + "): switch it on at the teach pendant";
-  if (!look.wrong.empty()) return look;
-  if (const Result<void> stands = arm_stands(controller); !stands) {
-    look.moves = stands.error().code == Errc::Timeout;
-    look.wrong = to_line(stands.error());
-  }
-  return look;
 }
 
 bool was_sent(const fs::path& folder) {

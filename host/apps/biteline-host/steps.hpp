@@ -9,22 +9,17 @@
 
 #include "common/core/result.hpp"
 #include "common/time/clocks.hpp"
+#include "host/apps/biteline-host/controller.hpp"
 #include "host/apps/biteline-host/late_work.hpp"
 #include "host/cloud/closed_line.hpp"
 #include "host/intake/live_line.hpp"
 #include "host/intake/scan_intake.hpp"
 #include "host/records/memory/memory.hpp"
 #include "host/records/report/refusal.hpp"
-#include "host/robot/kinematics/arm_model.hpp"
 #include "host/robot/link/gate/gate.hpp"
-#include "host/robot/link/ur/controller_words.hpp"
 #include "host/robot/path/plan.hpp"
 #include "host/robot/path/process.hpp"
 #include "host/transfer/transfer.hpp"
-
-namespace biteline::robot::ur {
-class ArmClaim;
-}
 
 namespace biteline::service {
 
@@ -93,24 +88,6 @@ struct PlanStep {
 [[nodiscard]] Result<PlanStep> plan_again(const std::filesystem::path& folder, path::PlanRequest request,
                                           cloud::ClosedLine line);
 
-struct ControllerAddress {
-  std::string rtde;       ///< HOST:PORT
-  std::string script;     ///< HOST:PORT
-  std::string dashboard;  ///< HOST:PORT; empty: port 29999 of the script's machine
-};
-
-/// The arm's joints now [rad], for a path that begins near to them; nothing where the controller does not
-/// tell them within half a second.  A wish and no check: follow_path() looks again.
-[[nodiscard]] std::optional<kinematics::Joints> where_arm_is(const ControllerAddress& controller);
-
-struct HostPort {
-  std::string host;
-  std::uint16_t port{0};
-};
-
-/// "HOST:PORT"; Errc::InvalidArgument.
-[[nodiscard]] Result<HostPort> parse_host_port(const std::string& text);
-
 /// A path that is to be sent, and what the service knows of its scan.
 struct SendRequest {
   ControllerAddress controller;
@@ -145,16 +122,6 @@ struct SendRequest {
                                                                   const SendRequest& request);
 /// The gate has let a path of this scan through, or its decision cannot be read.
 [[nodiscard]] bool was_sent(const std::filesystem::path& folder);
-
-/// What the controller says about itself before a scan, on stdout too; and whether the arm stands, so that no
-/// light goes on while an older program still moves it.
-struct ControllerLook {
-  Result<robot::ur::ControllerWords> words;
-  std::string wrong;  ///< what is known to be wrong, and what to do; empty: nothing
-  bool moves{false};  ///< it is only that the arm does not stand yet
-};
-[[nodiscard]] ControllerLook look_at_controller(const ControllerAddress& controller, const std::string& arm,
-                                                const std::string& serial);
 
 /// A person must say a word before this may be sent.
 [[nodiscard]] bool needs_a_person(const path::GateLimits& limits, double confidence);

@@ -33,6 +33,21 @@ SE3 frame_from(config::YamlReader& joint) {
 
 }  // namespace
 
+Result<void> expect_near_nominal(const ArmModel& arm, const std::string& where) {
+  const std::array<SE3, k_joints> nominal = nominal_frames(arm.nominal);
+  for (std::size_t i = 0; i < k_joints; ++i) {
+    const SE3 T_nominal_calibrated = nominal[i].inverse() * arm.T_fixed[i];
+    const double shift_mm = T_nominal_calibrated.translation().norm();
+    const double turn_rad = geometry::log_so3(T_nominal_calibrated.linear()).norm();
+    if (!(shift_mm <= k_max_shift_mm && turn_rad <= k_max_turn_rad)) {
+      return fail(Errc::BadValue,
+                  "%.120s: %s is %.1f mm and %.3f rad off a %s; the calibration of another arm?",
+                  where.c_str(), k_joint_names[i], shift_mm, turn_rad, arm.name.c_str());
+    }
+  }
+  return {};
+}
+
 Result<ArmModel> with_calibration(const ArmModel& arm, const std::filesystem::path& file) {
   BITELINE_ASSIGN(config::YamlReader reader, config::YamlReader::open(file));
   ArmModel calibrated = arm;
@@ -46,16 +61,7 @@ Result<ArmModel> with_calibration(const ArmModel& arm, const std::filesystem::pa
   }
   BITELINE_TRY(reader.finish());
 
-  const std::array<SE3, k_joints> nominal = nominal_frames(arm.nominal);
-  for (std::size_t i = 0; i < k_joints; ++i) {
-    const SE3 T_nominal_calibrated = nominal[i].inverse() * calibrated.T_fixed[i];
-    const double shift_mm = T_nominal_calibrated.translation().norm();
-    const double turn_rad = geometry::log_so3(T_nominal_calibrated.linear()).norm();
-    if (shift_mm > k_max_shift_mm || turn_rad > k_max_turn_rad) {
-      return fail(Errc::BadValue, "%s: %s is %.1f mm and %.3f rad off a %s; the calibration of another arm?",
-                  file.c_str(), k_joint_names[i], shift_mm, turn_rad, arm.name.c_str());
-    }
-  }
+  BITELINE_TRY(expect_near_nominal(calibrated, file.string()));
   calibrated.calibrated = true;
   return calibrated;
 }

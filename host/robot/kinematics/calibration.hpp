@@ -14,4 +14,8 @@ namespace biteline::kinematics {
 /// model than any arm of that kind does (the file belongs to another arm).
 [[nodiscard]] Result<ArmModel> with_calibration(const ArmModel& arm, const std::filesystem::path& file);
 
+/// Errc::BadValue when a joint's fixed part stands further from the nominal model than any arm of that kind
+/// has it.  `where`: names the source in the message.
+[[nodiscard]] Result<void> expect_near_nominal(const ArmModel& arm, const std::string& where);
+
 }  // namespace biteline::kinematics

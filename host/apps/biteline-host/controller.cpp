@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: MIT
+#include "host/apps/biteline-host/controller.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <mutex>
+#include <utility>
+
+#include "common/core/fixed_text.hpp"
+#include "host/apps/biteline-host/steps.hpp"
+#include "host/robot/kinematics/chain.hpp"
+#include "host/robot/kinematics/dh_rows.hpp"
+#include "host/robot/link/follow.hpp"
+#include "host/robot/link/ur/told_kinematics.hpp"
+
+namespace biteline::service {
+namespace {
+
+/// Of what is looked at again and again: a line that says nothing new of its subject fills logs.
+void say_when_new(const std::string& subject, const std::string& words) {
+  static std::mutex mutex;
+  static std::map<std::string, std::string> said;
+  const std::lock_guard lock{mutex};
+  if (std::exchange(said[subject], words) == words) return;
+  say_step("%s: %s", subject.c_str(), words.c_str());
+}
+
+/// How far the controller's own tip is from that of the arm with its joints.
+double tip_off_mm(const kinematics::ArmModel& arm, const robot::RobotState& state) {
+  const SE3 T_base_tcp = kinematics::forward(arm, state.q_rad) * state.T_flange_tcp;
+  return (T_base_tcp.translation() - state.T_base_tcp.translation()).norm();
+}
+
+/// A service that was killed leaves its program running; a scan's own way ends after the scan does.
+Result<void> arm_stands(const ControllerAddress& controller) {
+  BITELINE_ASSIGN(const std::unique_ptr<robot::ur::UrLink> link, open_robot(controller));
+  BITELINE_TRY(robot::wait_until_still(*link, {.patience_s = 1}));
+  return {};
+}
+
+}  // namespace
+
+Result<HostPort> parse_host_port(const std::string& text) {
+  const std::size_t colon = text.rfind(':');
+  HostPort parsed{.host = text.substr(0, colon), .port = 0};
+  const char* end = text.data() + text.size();
+  if (colon == std::string::npos || colon == 0 ||
+      std::from_chars(text.data() + colon + 1, end, parsed.port).ptr != end || parsed.port == 0) {
+    return fail(Errc::InvalidArgument, "controller '%s': HOST:PORT expected", text.c_str());
+  }
+  return parsed;
+}
+
+Result<robot::ur::Endpoint> dashboard_of(const ControllerAddress& controller) {
+  BITELINE_ASSIGN(const HostPort script, parse_host_port(controller.script));
+  if (controller.dashboard.empty())
+    return robot::ur::Endpoint{.host = script.host, .port = robot::ur::UrLink::Config{}.dashboard_port};
+  BITELINE_ASSIGN(const HostPort dashboard, parse_host_port(controller.dashboard));
+  if (dashboard.host != script.host) {
+    return fail(Errc::InvalidArgument, "--dashboard %s and --script %s are two machines",
+                controller.dashboard.c_str(), controller.script.c_str());
+  }
+  return robot::ur::Endpoint{.host = dashboard.host, .port = dashboard.port};
+}
+
+Result<std::unique_ptr<robot::ur::UrLink>> open_robot(const ControllerAddress& controller,
+                                                      double connect_patience_s, robot::ur::ArmClaim* claim) {
+  BITELINE_ASSIGN(const HostPort rtde, parse_host_port(controller.rtde));
+  BITELINE_ASSIGN(const HostPort script, parse_host_port(controller.script));
+  if (rtde.host != script.host) {
+    return fail(Errc::InvalidArgument, "--rtde %s and --script %s are two machines", controller.rtde.c_str(),
+                controller.script.c_str());
+  }
+  BITELINE_ASSIGN(const robot::ur::Endpoint dashboard, dashboard_of(controller));
+  robot::ur::UrLink::Config config;
+  config.host = rtde.host;
+  config.rtde_port = rtde.port;
+  config.script_port = script.port;
+  config.dashboard_port = dashboard.port;
+  config.connect_patience_s = connect_patience_s;
+  config.claim = claim;
+  return robot::ur::UrLink::open(config);
+}
+
+ArmSeen see_arm(const ControllerAddress& controller, const kinematics::ArmModel& nominal) {
+  constexpr double k_patience_s = 0.5;
+  constexpr double k_tip_mm = 0.2;  // a controller tells its tip by the same rows; its digits are 0.01 mm
+  ArmSeen seen{.arm = nominal};
+  const auto say = [&](const std::string& words) { say_when_new("kinematics", words); };
+  const auto own = [&]() -> Result<kinematics::ArmModel> {
+    BITELINE_ASSIGN(const HostPort script, parse_host_port(controller.script));
+    BITELINE_ASSIGN(const robot::ur::ToldKinematics told,
+                    robot::ur::ask_kinematics({.host = script.host, .port = script.port},
+                                              Nanoseconds{std::llround(1e9 * k_patience_s)}));
+    return kinematics::with_rows(nominal, told.rows, "the controller's kinematics");
+  }();
+  const auto link = open_robot(controller, k_patience_s);
+  const Result<robot::RobotState> state =
+      link ? (*link)->latest() : Result<robot::RobotState>{tl::unexpected<Error>{link.error()}};
+  if (state) seen.q_rad = state->q_rad;
+  if (!own) {
+    say("the nominal " + nominal.name + "'s, some 2 mm beside the arm: " + to_line(own.error()));
+    return seen;
+  }
+  if (!state) {
+    say("the nominal " + nominal.name +
+        "'s: the controller's tip cannot be compared: " + to_line(state.error()));
+    return seen;
+  }
+  if (const double off_mm = tip_off_mm(*own, *state); !(off_mm <= k_tip_mm)) {
+    say(std::string{
+        FixedText<160>::format("the nominal %.20s's: the controller's tip is %.2f mm from that of its "
+                               "own rows (limit %.1f)",
+                               nominal.name.c_str(), off_mm, k_tip_mm)
+            .view()});
+    return seen;
+  }
+  seen.arm = *own;
+  say(std::string{
+      FixedText<120>::format("the arm's own, from its controller; the nominal tip would be %.1f mm "
+                             "beside it here",
+                             tip_off_mm(nominal, *state))
+          .view()});
+  return seen;
+}
+
+ControllerLook look_at_controller(const ControllerAddress& controller, const std::string& arm,
+                                  const std::string& serial) {
+  const Result<robot::ur::Endpoint> dashboard = dashboard_of(controller);
+  ControllerLook look{
+      .words = dashboard ? robot::ur::ask_controller(*dashboard, k_dashboard_patience)
+                         : Result<robot::ur::ControllerWords>{tl::unexpected<Error>{dashboard.error()}},
+      .wrong = {}};
+  say_when_new("robot", (look.words ? robot::ur::summary(*look.words) : to_line(look.words.error())));
+  if (!look.words) {
+    look.wrong = to_line(look.words.error());
+    return look;
+  }
+  robot::ArmFacts facts;
+  facts.arm = arm;
+  if (!serial.empty()) facts.serial = serial;
+  facts.told_version = look.words->version;
+  facts.told_model = look.words->model;
+  facts.told_serial = look.words->serial;
+  facts.told_remote = look.words->remote;
+  look.wrong = robot::why_not_ready(facts);
+  const std::string mode = look.words->robot_mode.value_or("");
+  if (look.wrong.empty() && (mode == "POWER_OFF" || mode == "DISCONNECTED" || mode == "NO_CONTROLLER"))
+    look.wrong = "the arm has no power (" + mode + "): switch it on at the teach pendant";
+  if (!look.wrong.empty()) return look;
+  if (const Result<void> stands = arm_stands(controller); !stands) {
+    look.moves = stands.error().code == Errc::Timeout;
+    look.wrong = to_line(stands.error());
+  }
+  return look;
+}
+
+}  // namespace biteline::service

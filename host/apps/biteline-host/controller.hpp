@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file The arm's controller as the service reaches it: where it is, what it says of itself and of its arm.
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "common/core/result.hpp"
+#include "common/time/clocks.hpp"
+#include "host/robot/kinematics/arm_model.hpp"
+#include "host/robot/link/ur/controller_words.hpp"
+#include "host/robot/link/ur/ur_link.hpp"
+
+namespace biteline::service {
+
+/// For an answer on the dashboard.
+inline constexpr Nanoseconds k_dashboard_patience{2'000'000'000};
+
+struct ControllerAddress {
+  std::string rtde;       ///< HOST:PORT
+  std::string script;     ///< HOST:PORT
+  std::string dashboard;  ///< HOST:PORT; empty: port 29999 of the script's machine
+};
+
+struct HostPort {
+  std::string host;
+  std::uint16_t port{0};
+};
+
+/// "HOST:PORT"; Errc::InvalidArgument.
+[[nodiscard]] Result<HostPort> parse_host_port(const std::string& text);
+
+/// A link to the arm.  `connect_patience_s`: for its first state.  `claim`: of the dead man; outlives the
+/// link.
+[[nodiscard]] Result<std::unique_ptr<robot::ur::UrLink>> open_robot(
+    const ControllerAddress& controller,
+    double connect_patience_s = robot::ur::UrLink::Config{}.connect_patience_s,
+    robot::ur::ArmClaim* claim = nullptr);
+
+/// The dashboard's place; without being told, the usual port beside the script's.
+[[nodiscard]] Result<robot::ur::Endpoint> dashboard_of(const ControllerAddress& controller);
+
+/// The arm that a path is planned for.
+struct ArmSeen {
+  /// With its own kinematics where its controller tells them, and where they agree with the tip that it
+  /// tells; else the nominal one.
+  kinematics::ArmModel arm;
+  /// Its joints now [rad], for a path that begins near to them.  A wish and no check: follow_path() looks
+  /// again.
+  std::optional<kinematics::Joints> q_rad{};
+};
+
+/// What the controller tells within half a second; what it does not tell stays nominal, and that is said in
+/// one line when it is new.
+[[nodiscard]] ArmSeen see_arm(const ControllerAddress& controller, const kinematics::ArmModel& nominal);
+
+/// What the controller says about itself before a scan, on stdout too; and whether the arm stands, so that no
+/// light goes on while an older program still moves it.
+struct ControllerLook {
+  Result<robot::ur::ControllerWords> words;
+  std::string wrong;  ///< what is known to be wrong, and what to do; empty: nothing
+  bool moves{false};  ///< it is only that the arm does not stand yet
+};
+[[nodiscard]] ControllerLook look_at_controller(const ControllerAddress& controller, const std::string& arm,
+                                                const std::string& serial);
+
+}  // namespace biteline::service

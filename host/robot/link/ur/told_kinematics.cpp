@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: MIT
+#include "host/robot/link/ur/told_kinematics.hpp"
+
+#include <chrono>
+#include <cmath>
+#include <vector>
+
+#include "common/rtde/big_endian.hpp"
+
+namespace biteline::robot::ur {
+namespace {
+
+constexpr std::uint8_t k_robot_state = 16, k_kinematics = 5;
+constexpr std::size_t k_head_bytes = 5;          // length and type, of messages and of their parts
+constexpr std::size_t k_most_bytes = 1U << 16U;  // a state has some 1500
+constexpr std::size_t k_most_heard = 1U << 20U;  // some seconds of states
+constexpr double k_mm_per_m = 1000, k_most_rad = 7, k_most_m = 1e4;
+
+struct Part {
+  std::uint8_t type;
+  std::span<const std::uint8_t> body;
+};
+
+/// The first message or part of `bytes`, which is cut off there; nothing: it has not arrived whole.
+Result<std::optional<Part>> take_part(std::span<const std::uint8_t>& bytes) {
+  if (bytes.size() < k_head_bytes) return std::optional<Part>{};
+  rtde::Reader head{bytes};
+  const std::uint32_t length = head.get<std::uint32_t>().value_or(0);
+  const std::uint8_t type = head.get<std::uint8_t>().value_or(0);
+  if (length < k_head_bytes || length > k_most_bytes)
+    return fail(Errc::BadFormat, "a message of %u bytes", static_cast<unsigned>(length));
+  if (bytes.size() < length) return std::optional<Part>{};
+  const Part part{.type = type, .body = bytes.subspan(k_head_bytes, length - k_head_bytes)};
+  bytes = bytes.subspan(length);
+  return part;
+}
+
+Result<ToldKinematics> read(std::span<const std::uint8_t> body) {
+  constexpr std::size_t k_bytes = 6 * 4 + 4 * 6 * 8 + 4;
+  if (body.size() < k_bytes)
+    return fail(Errc::BadFormat, "kinematics info of %zu bytes, %zu expected", body.size(), k_bytes);
+  rtde::Reader reader{body};
+  for (int joint = 0; joint < 6; ++joint) static_cast<void>(reader.get<std::uint32_t>());  // check sums
+  ToldKinematics told;
+  bool sane = true;
+  const auto number = [&](double most) {
+    const double value = reader.get<double>().value_or(NAN);
+    sane = sane && std::isfinite(value) && std::abs(value) <= most;
+    return value;
+  };
+  for (kinematics::DhRow& row : told.rows) row.theta_rad = number(k_most_rad);
+  for (kinematics::DhRow& row : told.rows) row.a_mm = k_mm_per_m * number(k_most_m);
+  for (kinematics::DhRow& row : told.rows) row.d_mm = k_mm_per_m * number(k_most_m);
+  for (kinematics::DhRow& row : told.rows) row.alpha_rad = number(k_most_rad);
+  told.status = reader.get<std::uint32_t>().value_or(0);
+  if (!sane) return fail(Errc::BadFormat, "kinematics info with numbers that no arm has");
+  return told;
+}
+
+}  // namespace
+
+Result<std::optional<ToldKinematics>> kinematics_in(std::span<const std::uint8_t> heard) {
+  for (;;) {
+    BITELINE_ASSIGN(const std::optional<Part> message, take_part(heard));
+    if (!message) return std::optional<ToldKinematics>{};
+    if (message->type != k_robot_state) continue;
+    std::span<const std::uint8_t> parts = message->body;
+    for (;;) {
+      BITELINE_ASSIGN(const std::optional<Part> part, take_part(parts));
+      if (!part) break;
+      if (part->type != k_kinematics) continue;
+      BITELINE_ASSIGN(const ToldKinematics told, read(part->body));
+      return std::optional{told};
+    }
+  }
+}
+
+Result<ToldKinematics> ask_kinematics(const Endpoint& script, Nanoseconds patience) {
+  const auto until = std::chrono::steady_clock::now() + patience;
+  BITELINE_ASSIGN(TcpStream stream, TcpStream::connect(script, patience));
+  std::vector<std::uint8_t> heard, some;
+  for (;;) {
+    const Nanoseconds left{until - std::chrono::steady_clock::now()};
+    if (left <= Nanoseconds{0} || heard.size() > k_most_heard) {
+      return fail(Errc::Timeout, "%.60s:%u: the controller does not tell its arm's kinematics",
+                  script.host.c_str(), static_cast<unsigned>(script.port));
+    }
+    BITELINE_TRY(stream.read_some(some, left));
+    heard.insert(heard.end(), some.begin(), some.end());
+    BITELINE_ASSIGN(const std::optional<ToldKinematics> told, kinematics_in(heard));
+    if (told) return *told;
+  }
+}
+
+}  // namespace biteline::robot::ur
