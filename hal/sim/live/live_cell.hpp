@@ -34,7 +34,7 @@ struct LiveSettings {
   std::string camera_address{"127.0.0.1"};
   UrController::Config robot{};
   std::string arm{"ur5e"};
-  std::uint64_t arm_seed{0};  ///< of the arm's own kinematics (ArmKinematics::made); 0: nominal
+  std::uint64_t arm_seed{0};    ///< of the arm's own kinematics (ArmKinematics::made); 0: nominal
   Disturbances disturbances{};  ///< none, where nothing is said
   double lost_packet_ratio{0};
   bool camera_ptp{true};
