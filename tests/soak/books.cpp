@@ -61,6 +61,7 @@ ScanAccount read_account(const fs::path& scan) {
   const nlohmann::json line = read_json(scan / "report.json"), path = read_json(scan / "path/report.json"),
                        gate = read_json(scan / "gate.json"), followed = read_json(scan / "followed.json");
   account.permitted = gate.value("permitted", false);
+  account.own_arm = path.value("calibrated", false);
   account.profiles = line.value("/scan/profiles"_json_pointer, 0);
   if (line.contains("reason")) {
     account.outcome = Outcome::Refused;

@@ -17,6 +17,7 @@ struct ScanAccount {
   std::string reason;     ///< code and words, where there is one
   bool permitted{false};  ///< the gate's decision
   std::string script;     ///< the path's own
+  bool own_arm{false};    ///< it was planned with the arm's own kinematics
 };
 
 [[nodiscard]] ScanAccount read_account(const std::filesystem::path& scan);

@@ -30,7 +30,7 @@ struct ServeOptions {
   std::uint16_t rtde_port{0}, script_port{0}, dashboard_port{0}, primary_port{0};
   int robot_rate_hz{500};
   double speed_slider{1};
-  std::uint64_t arm_seed{0};
+  std::uint64_t arm_seed{1};
   double robot_clock_ms{0};
   double lost_packet_ratio{0};
   bool camera_free_clock{false};
@@ -181,10 +181,11 @@ void add_serve(options::Command& app, Context& context) {
   command->add_option("--robot-rate-hz", options->robot_rate_hz, "500: e series, 125: CB3")
       ->capture_default_str()
       ->check(options::one_of_numbers({125, 500}));
-  command->add_option(
-      "--arm-seed", options->arm_seed,
-      "Of the arm's own kinematics, some 2 mm off the nominal ones, which its controller tells; "
-      "0: the nominal arm");
+  command
+      ->add_option("--arm-seed", options->arm_seed,
+                   "Of the arm's own kinematics, some 2 mm off the nominal ones, which its controller tells; "
+                   "0: the nominal arm")
+      ->capture_default_str();
   command
       ->add_option("--speed-slider", options->speed_slider,
                    "Where the pendant's speed slider stands: programs go at that share of their speed; the "
