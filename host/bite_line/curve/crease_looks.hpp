@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file What the surface shows at a place, to a curve that leads over it in a direction: the numbers of
+/// which the data term is made.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "host/bite_line/curve/raster.hpp"
+#include "host/bite_line/large.hpp"
+
+namespace biteline::bite_line {
+
+/// Each between -1 and 1.  The upper is to the left of the direction, the sole to its right.
+enum class CreaseSign : std::uint8_t {
+  Always,      ///< 1
+  Turns,       ///< 1 where the surface turns inwards across the direction by more than its noise; else all
+               ///< that follows is 0
+  FineTurn,    ///< how much, over 1 mm to both sides
+  WideTurn,    ///< over 2.25 mm
+  Crest,       ///< against the most within 1.5 mm across
+  FlankTurn,   ///< between the surfaces 1.5 to 4 mm to both sides as planes, concave > 0 ...
+  FlankStep,   ///< ... and how far the right one stands out where they meet
+  FlanksSeen,  ///< 1 where both were
+  Overhang,    ///< what is left stands out beyond what is right
+  RimRight,    ///< the surface turns outwards close to the right
+  WallLeft,    ///< share seen 2 to 8 mm to the left
+  SoleRight,   ///< share seen 1.5 to 4.5 mm to the right
+  EdgeAhead,   ///< the surface turns outwards along the direction
+  LeftCrease,  ///< the most line-like place 2.5 to 25 mm to the left
+  RightCrease  ///< the same to the right
+};
+inline constexpr std::size_t k_crease_signs = 15;
+using CreaseSigns = std::array<float, k_crease_signs>;
+
+/// Log odds of "the line passes here in this direction" against "surface", per sign.
+using SignWeights = std::array<float, k_crease_signs>;
+[[nodiscard]] float log_odds(const SignWeights& weights, const CreaseSigns& signs);
+
+class CreaseLooks {
+ public:
+  /// `raster`: borrowed.
+  explicit CreaseLooks(const Raster& raster);
+
+  /// Whether anything turns there at all.
+  [[nodiscard]] bool turns(std::size_t cell, std::size_t direction) const {
+    const std::size_t axis = direction % k_axes;
+    const float noise = noise_rad_[cell / static_cast<std::size_t>(raster_.rows)];
+    return fine_rad_[axis][cell] > noise || wide_rad_[axis][cell] > noise;
+  }
+  /// All but the creases beside it.
+  [[nodiscard]] CreaseSigns alone(int row, int col, std::size_t direction) const;
+  /// Reads what is beside each place: `weights` say how line-like a place is by itself.
+  void look_beside(const SignWeights& weights);
+  /// All; those beside it are 0 before look_beside().
+  [[nodiscard]] CreaseSigns all(int row, int col, std::size_t direction) const;
+
+ private:
+  static constexpr std::size_t k_axes = k_directions / 2;
+  /// A place beside a cell: its cell, and how far it is from the middle of that.
+  struct Beside {
+    int cols, rows;
+    float along_mm, up_mm;
+    float away_mm;  ///< to the left
+  };
+  [[nodiscard]] static Beside left_of(std::size_t direction, double mm);
+  void read_turns(std::size_t axis, double flank_mm, Large<float>& mean_rad);
+  void read_noise();
+  [[nodiscard]] std::ptrdiff_t cell(int row, int col, const Beside& at) const;
+  [[nodiscard]] float o_mm(std::ptrdiff_t cell, const Beside& at) const {
+    const auto i = static_cast<std::size_t>(cell);
+    return raster_.o_mm[i] + at.along_mm * raster_.along_ratio[i] + at.up_mm * raster_.up_ratio[i];
+  }
+  struct Flank {
+    float at_mm{0}, slope{0};
+    bool seen{false};
+  };
+  [[nodiscard]] Flank flank(int row, int col, const std::vector<Beside>& places) const;
+  [[nodiscard]] float share_seen(int row, int col, const std::vector<Beside>& places) const;
+  [[nodiscard]] float most_alike(int row, int col, const std::vector<Beside>& places,
+                                 std::size_t direction) const;
+
+  /// Places beside a direction, for each of its looks.
+  struct Ways {
+    std::vector<Beside> crest, upper, sole, rim, wall, foot, left, right;
+  };
+  [[nodiscard]] static Ways ways_of(std::size_t direction);
+
+  const Raster& raster_;
+  std::array<Large<float>, k_axes> fine_rad_, wide_rad_;  ///< concave > 0, means along the axis
+  std::vector<float> noise_rad_;                          ///< per column
+  std::array<Ways, k_directions> ways_;
+  std::array<Large<float>, k_directions> alike_;  ///< how line-like, in this direction or one beside it
+};
+
+}  // namespace biteline::bite_line

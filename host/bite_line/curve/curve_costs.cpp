@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: MIT
+#include "host/bite_line/curve/curve_costs.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+namespace biteline::bite_line {
+
+namespace {
+
+/// -log of the logistic function.
+float cost_of(float log_odds) {
+  constexpr float k_certain = 20;
+  const float odds = std::clamp(log_odds, -k_certain, k_certain);
+  return std::min(std::log1p(std::exp(-odds)), k_most_cost_per_mm);
+}
+
+/// Per cell without surface: 1 where some lies above it and some below it, or none in its whole column.
+std::vector<std::uint8_t> gaps_of(const Raster& raster) {
+  std::vector<std::uint8_t> gap(raster.size(), 0);
+  for (int col = 0; col < raster.cols; ++col) {
+    const std::uint8_t* seen = raster.seen.data() + raster.at(0, col);
+    const std::uint8_t* end = seen + raster.rows;
+    const std::uint8_t* low = std::find(seen, end, 1);
+    int high = raster.rows - 1;
+    while (high >= 0 && seen[high] == 0) --high;
+    const int first = low == end ? 0 : static_cast<int>(low - seen);
+    const int last = low == end ? raster.rows - 1 : high;
+    for (int row = first; row <= last; ++row) gap[raster.at(row, col)] = 1;
+  }
+  return gap;
+}
+
+}  // namespace
+
+CurveCosts curve_costs(const Raster& raster, CreaseLooks& looks, const CurveWeights& weights) {
+  looks.look_beside(weights.alone);
+  const std::vector<std::uint8_t> gap = gaps_of(raster);
+  CurveCosts costs{.rows = raster.rows, .cols = raster.cols, .per_mm = {}};
+  const float plain = cost_of(weights.all[static_cast<std::size_t>(CreaseSign::Always)]);
+  tbb::parallel_for(std::size_t{0}, k_directions, [&](std::size_t k) {
+    Large<float>& cost = costs.per_mm[k];
+    cost.resize(raster.size());
+    for (int col = 0; col < raster.cols; ++col) {
+      for (int row = 0; row < raster.rows; ++row) {
+        const std::size_t cell = raster.at(row, col);
+        if (raster.seen[cell] == 0)
+          cost[cell] = gap[cell] != 0 ? k_unseen_cost_per_mm : plain;
+        else
+          cost[cell] = looks.turns(cell, k) ? cost_of(log_odds(weights.all, looks.all(row, col, k))) : plain;
+      }
+    }
+  });
+  return costs;
+}
+
+}  // namespace biteline::bite_line

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file The data term: what a millimetre of a curve costs at each place, in each direction.
+
+#include <array>
+
+#include "host/bite_line/curve/crease_looks.hpp"
+#include "host/bite_line/curve/raster.hpp"
+#include "host/bite_line/large.hpp"
+
+namespace biteline::bite_line {
+
+/// Logistic fits of bench_curve_fit: by the surface itself, and by what is beside it, too.
+struct CurveWeights {
+  SignWeights alone;
+  SignWeights all;
+};
+[[nodiscard]] const CurveWeights& fitted_weights();
+
+struct CurveCosts {
+  int rows{0};
+  int cols{0};
+  /// Per direction and cell: minus the logarithm of the probability that the line passes there, against
+  /// "surface", both being as likely before anything was seen.
+  std::array<Large<float>, k_directions> per_mm;
+
+  [[nodiscard]] std::size_t at(int row, int col) const {
+    return static_cast<std::size_t>(col) * static_cast<std::size_t>(rows) + static_cast<std::size_t>(row);
+  }
+};
+
+/// Of a gap in the surface nothing is known: 0.5.  Below the shoe's lower edge and above its upper one there
+/// is no surface to be seen; that costs as much as the plainest surface.
+inline constexpr float k_unseen_cost_per_mm = 0.69F;
+inline constexpr float k_most_cost_per_mm = 4.0F;
+
+[[nodiscard]] CurveCosts curve_costs(const Raster& raster, CreaseLooks& looks, const CurveWeights& weights);
+
+}  // namespace biteline::bite_line

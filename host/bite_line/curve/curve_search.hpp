@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file The cheapest closed curve once round the side, in any direction and as straight as it can be.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "host/bite_line/curve/curve_costs.hpp"
+#include "host/bite_line/curve/raster.hpp"
+
+namespace biteline::bite_line {
+
+/// A curve is at a cell and leads on along a direction.
+struct CurveState {
+  int row{0};
+  int col{0};  ///< beyond the last one, once round from where the curve began
+  std::size_t direction{0};
+};
+
+struct ClosedCurve {
+  std::vector<CurveState> states;  ///< once round; a step on from the last one is the first one, a turn on
+  double energy{0};                ///< cost of its length and of its bends
+};
+
+struct CurveConfig {
+  /// Of a bend: so much times the squared curvature for each millimetre.
+  double bend_mm{1.0};
+  /// A curve's place at the column where it begins is told from another one's so far away.
+  double apart_mm{2.5};
+  /// What costs so much more than the best curve is no rival.
+  float rival_excess{30.0F};
+};
+
+/// Dijkstra's search over (place, direction), begun and closed on one column.  The sum of the cheapest places
+/// of the columns ahead bounds what is left (Hart, Nilsson, Raphael 1968), so that little beside good curves
+/// is looked at.  The energy is that of Mirebeau 2018 on a grid; closing by one column cut: Appleton, Sun
+/// 2003.
+class CurveSearch {
+ public:
+  /// `costs`: borrowed.
+  CurveSearch(const CurveCosts& costs, const CurveConfig& config);
+
+  /// The cheapest one; none where the side has none.
+  [[nodiscard]] std::optional<ClosedCurve> best() const;
+  /// The cheapest one that begins elsewhere on the column where `curve` does.
+  [[nodiscard]] std::optional<ClosedCurve> other_than(const ClosedCurve& curve) const;
+  /// Per cell: how much more than `curve` the cheapest one through it costs that begins where `curve` does.
+  /// At most `rival_excess`.
+  [[nodiscard]] Large<float> excess_about(const ClosedCurve& curve) const;
+
+ private:
+  enum class Sense : std::uint8_t { Ahead, Back };
+  /// What a sweep found, per state of the unrolled side.
+  struct Totals {
+    Large<float> total;
+    Large<std::int8_t> turn;  ///< of the direction from the state before
+    std::size_t end{0};       ///< the first goal that was reached
+    bool reached{false};
+  };
+  struct Ends {
+    std::vector<CurveState> from;
+    std::vector<CurveState> to;
+    float limit;      ///< what costs more is left out
+    bool all{false};  ///< not only up to the first end that is reached
+  };
+  [[nodiscard]] Totals sweep(Sense sense, const Ends& ends) const;
+  template <class Reach>
+  void for_next(Sense sense, std::size_t state, float total, Reach&& reach) const;
+  [[nodiscard]] std::vector<CurveState> states_at(int row, int col, int about) const;
+  [[nodiscard]] std::optional<ClosedCurve> through_column(const std::vector<int>& rows) const;
+  [[nodiscard]] std::optional<ClosedCurve> closed_at(int row, float limit) const;
+  [[nodiscard]] std::vector<CurveState> traced(const Totals& totals) const;
+
+  [[nodiscard]] std::size_t index(const CurveState& state) const;
+  [[nodiscard]] CurveState state_of(std::size_t index) const;
+  [[nodiscard]] int begin_col() const { return begin_col_; }
+  [[nodiscard]] std::size_t cell(int row, int col) const;
+
+  const CurveCosts& costs_;
+  CurveConfig config_;
+  int begin_col_{0};
+  int pad_cols_{0};
+  std::vector<float> bound_;  ///< per unrolled column: what the way from it to the end costs at least
+  std::array<std::array<float, 5>, k_directions> bend_;  ///< by direction and turn -2 to 2
+};
+
+}  // namespace biteline::bite_line

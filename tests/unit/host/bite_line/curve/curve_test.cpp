@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: MIT
+#include <CppUTest/TestHarness.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <optional>
+#include <vector>
+
+#include "host/bite_line/curve/curve_costs.hpp"
+#include "host/bite_line/curve/curve_posterior.hpp"
+#include "host/bite_line/curve/curve_search.hpp"
+#include "tests/unit/host/bite_line/drum.hpp"
+
+namespace biteline::bite_line::test {
+
+namespace {
+
+constexpr double k_turn_mm = 150;
+constexpr int k_rows = 80, k_cols = 200;
+
+/// Cells of which those that `on` says cost `own` for each millimetre in any direction, the others 3.
+CurveCosts costs_where(const std::function<bool(int row, int col)>& on, float own = 0.05F) {
+  CurveCosts costs{.rows = k_rows, .cols = k_cols, .per_mm = {}};
+  for (Large<float>& per_mm : costs.per_mm) {
+    per_mm.resize(static_cast<std::size_t>(k_rows) * k_cols);
+    for (int col = 0; col < k_cols; ++col)
+      for (int row = 0; row < k_rows; ++row) per_mm[costs.at(row, col)] = on(row, col) ? own : 3.0F;
+  }
+  return costs;
+}
+
+Raster blank_raster() {
+  Raster raster;
+  raster.rows = k_rows;
+  raster.cols = k_cols;
+  raster.col_mm = k_turn_mm / k_cols;
+  for (Large<float>* values : {&raster.o_mm, &raster.along_ratio, &raster.up_ratio}) {
+    values->resize(raster.size());
+    std::fill(values->begin(), values->end(), 0.0F);
+  }
+  raster.seen.resize(raster.size());
+  std::fill(raster.seen.begin(), raster.seen.end(), std::uint8_t{1});
+  return raster;
+}
+
+/// A guard: straight up, along, and straight down again.
+bool on_gate(int row, int col) {
+  constexpr int k_low = 20, k_high = 50, k_from = 80, k_to = 110;
+  const auto near = [](int a, int b) { return std::abs(a - b) <= 1; };
+  if (col < k_from || col > k_to) return near(row, k_low);
+  const bool flank = near(col, k_from + 1) || near(col, k_to - 1);
+  return near(row, k_high) || (flank && row >= k_low && row <= k_high);
+}
+
+bool leads_over(const ClosedCurve& curve, int row, int col) {
+  return std::ranges::any_of(curve.states, [&](const CurveState& at) {
+    return std::abs(at.row - row) <= 1 && std::abs((at.col - col) % k_cols) <= 1;
+  });
+}
+
+/// Each state leads to the next one, and the last one to the first, a turn on.
+bool closes(const ClosedCurve& curve) {
+  for (std::size_t i = 0; i < curve.states.size(); ++i) {
+    const CurveState& at = curve.states[i];
+    CurveState next = curve.states[(i + 1) % curve.states.size()];
+    if (i + 1 == curve.states.size()) next.col += k_cols;
+    const CellStep step = k_cell_steps[at.direction];
+    if (at.row + step.rows != next.row || at.col + step.cols != next.col) return false;
+  }
+  return true;
+}
+
+Raster raster_of(const Side& side) {
+  const SideGrid& grid = side.field.grid;
+  return Raster::of({side.field.places.data(), side.field.places.size()}, side.outline.length_mm(),
+                    grid.z_low_mm, grid.rows * grid.row_mm, side.field.points_per_mm2);
+}
+
+/// Sole below `z_mm`, upper above it: the sole stands out by a millimetre.
+double stepped_mm(double z, double at_mm) {
+  constexpr double k_step_mm = 1.0, k_lean = 0.1;
+  return z < at_mm ? 0.0 : -k_step_mm - k_lean * (z - at_mm);
+}
+
+}  // namespace
+
+TEST_GROUP(CurveSearch){};
+
+TEST(CurveSearch, ALevelCreaseCostsItsLength) {
+  constexpr float k_own = 0.05F;
+  const CurveCosts costs = costs_where([](int row, int) { return row == 30; }, k_own);
+  const std::optional<ClosedCurve> curve = CurveSearch{costs, {}}.best();
+  CHECK(curve.has_value());
+  CHECK(closes(*curve));
+  LONGS_EQUAL(k_cols, curve->states.size());
+  DOUBLES_EQUAL(k_turn_mm * k_own, curve->energy, 1e-3);
+}
+
+TEST(CurveSearch, FollowsAGuardThatRisesUpright) {
+  const std::optional<ClosedCurve> curve = CurveSearch{costs_where(on_gate), {}}.best();
+  CHECK(curve.has_value());
+  CHECK(closes(*curve));
+  CHECK(leads_over(*curve, 35, 81));
+  CHECK(leads_over(*curve, 50, 95));
+  CHECK(leads_over(*curve, 35, 109));
+}
+
+TEST(CurveSearch, GoesStraightOverAGapInItsCrease) {
+  const std::optional<ClosedCurve> curve = CurveSearch{
+      costs_where([](int row, int col) { return row == 30 && (col < 90 || col > 110); }),
+      {}}.best();
+  CHECK(curve.has_value());
+  CHECK(leads_over(*curve, 30, 100));
+}
+
+TEST(CurveSearch, ASpiralIsNoClosedCurve) {
+  // It rises by 20 rows once round: closed it must cross plain surface, 15 mm of it at 3 each.
+  const auto spiral = [](int row, int col) { return std::abs(row - 20 - col / 10) <= 1; };
+  const CurveCosts costs = costs_where(spiral);
+  const std::optional<ClosedCurve> curve = CurveSearch{costs, {}}.best();
+  CHECK(curve.has_value());
+  CHECK(closes(*curve));
+  CHECK(curve->energy > 30);
+}
+
+TEST(CurveSearch, ABendCostsTheSquareOfItsAngle) {
+  // Up by ten cells at 45 degrees, and down again: each of the four bends is two, by a step that is between.
+  const CurveCosts costs = costs_where([](int row, int col) {
+    return row == 30 + std::clamp(col - 60, 0, 10) - std::clamp(col - 120, 0, 10);
+  });
+  const double soft = CurveSearch{costs, {.bend_mm = 0}}.best()->energy;
+  const double level_mm = k_turn_mm + 20 * 0.75 * (std::sqrt(2.0) - 1);
+  DOUBLES_EQUAL(level_mm * 0.05, soft, 0.05);
+  const double level = 0.75, between = 0.75 * std::sqrt(5.0), steep = 0.75 * std::sqrt(2.0);
+  const auto squared = [](double rad) { return rad * rad; };
+  const double one_bend = squared(std::atan(0.5)) / (0.5 * (level + between)) +
+                          squared(std::atan(1.0) - std::atan(0.5)) / (0.5 * (between + steep));
+  const double stiff = CurveSearch{costs, {.bend_mm = 1}}.best()->energy;
+  DOUBLES_EQUAL(soft + 4 * one_bend, stiff, 0.05);
+}
+
+TEST(CurveSearch, TheNextBestCurveLiesOnTheOtherCrease) {
+  const CurveCosts costs = costs_where([](int row, int) { return row == 30 || row == 50; });
+  const CurveSearch search{costs, {}};
+  const std::optional<ClosedCurve> best = search.best();
+  const std::optional<ClosedCurve> other = search.other_than(*best);
+  CHECK(other.has_value());
+  LONGS_EQUAL(80, best->states.front().row + other->states.front().row);
+  DOUBLES_EQUAL(best->energy, other->energy, 1e-3);
+}
+
+TEST(CurveSearch, ExcessIsNothingOnTheCurveAndTheWholeDetourBesideIt) {
+  constexpr float k_own = 0.05F;
+  const CurveCosts costs = costs_where([](int row, int) { return row == 30; }, k_own);
+  const CurveSearch search{costs, {.bend_mm = 0}};
+  const std::optional<ClosedCurve> curve = search.best();
+  const Large<float> excess = search.excess_about(*curve);
+  const int far_col = (curve->states.front().col + k_cols / 2) % k_cols;
+  DOUBLES_EQUAL(0, static_cast<double>(excess[costs.at(30, far_col)]), 1e-3);
+  // Up by one cell over two, and down again: half of each step costs 3, not 0.05.
+  const double detour = 2 * std::sqrt(5.0) * 0.75 * 0.5 * (0.05 + 3) - 4 * 0.75 * 0.05;
+  DOUBLES_EQUAL(detour, static_cast<double>(excess[costs.at(31, far_col)]), 1e-3);
+}
+
+TEST_GROUP(CurvePosterior){};
+
+TEST(CurvePosterior, AnotherCreaseAsGoodTakesHalfOfTheLine) {
+  const CurveCosts costs = costs_where([](int row, int) { return row == 30 || row == 50; });
+  const CurveSearch search{costs, {}};
+  const std::optional<ClosedCurve> best = search.best();
+  Large<float> excess = search.excess_about(*best);
+  const Raster raster = blank_raster();
+  const std::vector<CurveStation> alone = curve_posterior(raster, *best, excess, {.temperature = 1});
+  CHECK(alone[10].hold > 0.99);
+  const std::optional<ClosedCurve> other = search.other_than(*best);
+  add_rival(raster, *other, 0, excess);
+  const std::vector<CurveStation> stations = curve_posterior(raster, *best, excess, {.temperature = 1});
+  DOUBLES_EQUAL(0.5, stations[10].hold, 0.03);
+  LONGS_EQUAL(1, stations[10].alternatives.size());
+  DOUBLES_EQUAL(15, std::abs(stations[10].alternatives.front().off_mm), 0.4);
+  DOUBLES_EQUAL(0.5, stations[10].alternatives.front().mass, 0.03);
+}
+
+TEST(CurvePosterior, OneFlankOfAGuardIsNoRivalOfTheOther) {
+  const CurveCosts costs = costs_where(on_gate);
+  const CurveSearch search{costs, {}};
+  const std::optional<ClosedCurve> curve = search.best();
+  const std::vector<CurveStation> stations =
+      curve_posterior(blank_raster(), *curve, search.excess_about(*curve), {.temperature = 1});
+  for (const CurveStation& station : stations) CHECK(station.hold > 0.9);
+}
+
+TEST_GROUP(CurveCosts){void teardown() override{forgive_underflow();
+}  // namespace biteline::bite_line::test
+}
+;
+
+TEST(CurveCosts, AStepAllRoundIsCheapInItsDirectionAlone) {
+  const Side side = drum_side([](double, double z) { return stepped_mm(z, 25); });
+  const Raster raster = raster_of(side);
+  CreaseLooks looks{raster};
+  const CurveCosts costs = curve_costs(raster, looks, fitted_weights());
+  const int row = static_cast<int>(std::lround(raster.row_of(25)));
+  const auto least = [&](std::size_t direction, int at) {
+    float cost = k_most_cost_per_mm;
+    for (int r = at - 1; r <= at + 1; ++r) cost = std::min(cost, costs.per_mm[direction][costs.at(r, 100)]);
+    return cost;
+  };
+  CHECK(least(0, row) < 0.5F);
+  CHECK(least(4, row) > 1.0F);
+  CHECK(least(0, row + 15) > 1.0F);
+}
+
+TEST(CurveCosts, ACurveFollowsAStepThatRisesUprightRoundTheToe) {
+  const auto height_mm = [](double s) { return s > 300 && s < 340 ? 40.0 : 25.0; };
+  const Side side = drum_side([&](double s, double z) { return stepped_mm(z, height_mm(s)); });
+  const Raster raster = raster_of(side);
+  CreaseLooks looks{raster};
+  const CurveCosts costs = curve_costs(raster, looks, fitted_weights());
+  const std::optional<ClosedCurve> curve = CurveSearch{costs, {}}.best();
+  CHECK(curve.has_value());
+  for (const CurveState& at : curve->states) {
+    const Vec2 place = raster.place(at.row, raster.round_col(at.col));
+    const bool beside_flank = std::abs(place.x() - 300) < 3 || std::abs(place.x() - 340) < 3;
+    if (!beside_flank) DOUBLES_EQUAL(height_mm(place.x()), place.y(), 1.2);
+  }
+}
+
+TEST_GROUP(CurveRaster){};
+
+TEST(CurveRaster, APlaneIsReadAsItself) {
+  std::vector<OutlinePlace> places;
+  constexpr double k_along = 0.2, k_up = -0.5;
+  for (double s = 0.1; s < k_turn_mm; s += 0.4)
+    for (double z = 10.1; z < 40; z += 0.4)
+      places.push_back(
+          {static_cast<float>(s), static_cast<float>(k_along * s + k_up * z), static_cast<float>(z)});
+  const Raster raster = Raster::of(places, k_turn_mm, 10, 30, 6);
+  const std::size_t cell = raster.at(raster.rows / 2, raster.cols / 2);
+  const Vec2 place = raster.place(raster.rows / 2, raster.cols / 2);
+  CHECK(raster.seen[cell] != 0);
+  DOUBLES_EQUAL(k_along * place.x() + k_up * place.y(), static_cast<double>(raster.o_mm[cell]), 0.02);
+  DOUBLES_EQUAL(k_up, static_cast<double>(raster.up_ratio[cell]), 0.06);
+  DOUBLES_EQUAL(k_along, static_cast<double>(raster.along_ratio[cell]), 0.04);
+}
+
+}  // namespace biteline::bite_line::test
