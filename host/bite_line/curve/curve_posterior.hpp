@@ -12,7 +12,7 @@ namespace biteline::bite_line {
 
 struct PosteriorConfig {
   /// What a place tells, its neighbours tell, too: energies count by so much less than their sum.
-  double temperature{6.0};
+  double temperature{2.0};
   double same_mm{2.25};     ///< nearer places are the same crease: placing the line looks so far
   double reach_mm{40.0};    ///< to both sides
   double least_mass{0.02};  ///< a less likely place is no alternative

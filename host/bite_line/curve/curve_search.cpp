@@ -304,7 +304,7 @@ Large<float> CurveSearch::excess_about(const ClosedCurve& curve) const {
       [&] { ahead = sweep(Sense::Ahead, {.from = begin, .to = {}, .limit = limit, .all = true}); },
       [&] { back = sweep(Sense::Back, {.from = end, .to = {}, .limit = limit, .all = true}); });
   Large<float> excess(static_cast<std::size_t>(costs_.rows) * static_cast<std::size_t>(costs_.cols));
-  std::fill(excess.begin(), excess.end(), config_.rival_excess);
+  std::fill(excess.begin(), excess.end(), k_out_of_reach);
   for (std::size_t state = 0; state < ahead.total.size(); ++state) {
     if (ahead.total[state] == k_out_of_reach || back.total[state] == k_out_of_reach) continue;
     const CurveState at = state_of(state);

@@ -48,7 +48,7 @@ class CurveSearch {
   /// The cheapest one that begins elsewhere on the column where `curve` does.
   [[nodiscard]] std::optional<ClosedCurve> other_than(const ClosedCurve& curve) const;
   /// Per cell: how much more than `curve` the cheapest one through it costs that begins where `curve` does.
-  /// At most `rival_excess`.
+  /// Out of all bounds where that is more than `rival_excess`.
   [[nodiscard]] Large<float> excess_about(const ClosedCurve& curve) const;
 
  private:

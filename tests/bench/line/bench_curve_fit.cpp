@@ -1,0 +1,375 @@
+// SPDX-License-Identifier: MIT
+// Fits the curve's data term (host/bite_line/curve/fitted_weights.cpp) to made shoes and to shapes of public
+// origin: a logistic regression of "a bite line passes here in this direction" against "surface".
+//
+// Made shoes and shapes count half each, and so do places of the line and of surface.  Then the curve is
+// sought with it: it is right with at most 5 mm of the line farther than 2 mm, and the truth's own error,
+// from it. At the end each class of made shoes, and each shape, is left out in turn (--leave-out). Tried:
+// what a wrong curve takes as further surface, and a new fit.  It found fewer shapes, of six.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <optional>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
+#include <Eigen/Dense>
+
+#include "host/bite_line/curve/curve_costs.hpp"
+#include "host/bite_line/curve/curve_posterior.hpp"
+#include "host/bite_line/curve/curve_search.hpp"
+#include "host/geometry/logistic.hpp"
+#include "tests/bench/line/curve_cases.hpp"
+#include "tests/bench/line/sweep_options.hpp"
+
+namespace biteline::bench {
+namespace {
+
+using bite_line::ClosedCurve;
+using bite_line::CreaseLooks;
+using bite_line::CreaseSigns;
+using bite_line::CurveWeights;
+using bite_line::k_crease_signs;
+using bite_line::Large;
+using bite_line::Raster;
+using bite_line::SignWeights;
+
+struct Held {
+  std::string kind, group, name;
+  Raster raster;
+  std::vector<Vec2> truth;  ///< s, z
+  double truth_mm{0};
+  double turn_mm{0};
+
+  [[nodiscard]] bool made() const { return kind != "shape"; }
+};
+
+struct Sample {
+  CreaseSigns signs;
+  bool line;
+  double weight;
+  std::size_t held;
+};
+
+double off_mm(const Vec2& a, const Vec2& b, double turn_mm) {
+  const double s = a.x() - b.x();
+  return std::hypot(s - turn_mm * std::round(s / turn_mm), a.y() - b.y());
+}
+
+double least_off_mm(const Vec2& place, const std::vector<Vec2>& line, double turn_mm) {
+  double least = 1e9;
+  for (const Vec2& at : line) least = std::min(least, off_mm(place, at, turn_mm));
+  return least;
+}
+
+std::size_t direction_of(const Vec2& along) {
+  const auto off = [&](std::size_t k) {
+    const bite_line::CellStep step = bite_line::k_cell_steps[k];
+    return -(along.x() * step.cols + along.y() * step.rows) / step.length();
+  };
+  std::size_t best = 0;
+  for (std::size_t k = 1; k < bite_line::k_directions; ++k)
+    if (off(k) < off(best)) best = k;
+  return best;
+}
+
+/// A place and direction of a curve over the raster.
+struct Passing {
+  int row, col;
+  std::size_t direction;
+};
+
+/// The truth's `i`-th place; its own error lets it lie where the surface turns most beside it.
+std::optional<Passing> passing_at(const Held& held, const CreaseLooks& looks, std::size_t i) {
+  constexpr std::size_t k_about = 3;
+  if (i < k_about || i + k_about >= held.truth.size()) return std::nullopt;
+  const Vec2 along = held.truth[i + k_about] - held.truth[i - k_about];
+  if (along.norm() > 4 * k_about * Raster::k_cell_mm) return std::nullopt;
+  const std::size_t k = direction_of(along);
+  const Vec2 left = Vec2{-along.y(), along.x()}.normalized();
+  const int reach = held.made() ? 1 : 2;
+  std::optional<Passing> best;
+  float most = -1;
+  for (int d = -reach; d <= reach; ++d) {
+    const Vec2 at = held.truth[i] + d * Raster::k_cell_mm * left;
+    const int row = static_cast<int>(std::lround(held.raster.row_of(at.y())));
+    const int col = held.raster.round_col(static_cast<int>(std::lround(held.raster.col_of(at.x()))));
+    if (row < 0 || row >= held.raster.rows || held.raster.seen[held.raster.at(row, col)] == 0) continue;
+    const float turn = looks.alone(row, col, k)[static_cast<std::size_t>(bite_line::CreaseSign::FineTurn)];
+    if (turn <= most) continue;
+    most = turn;
+    best = Passing{row, col, k};
+  }
+  return best;
+}
+
+/// Places of surface: any, and once they can be told, as many that look like a crease, which count as much.
+/// Plain surface is easy to tell from the line; which of several creases it is, is the question.
+std::vector<Sample> samples_of(const Held& held, std::size_t number, const CreaseLooks& looks,
+                               const std::optional<SignWeights>& alone) {
+  constexpr int k_any = 6000, k_tries = 60000;
+  constexpr double k_like_crease = 0.3;
+  std::vector<Sample> samples, any, creases;
+  for (std::size_t i = 0; i < held.truth.size(); i += 2) {
+    if (const std::optional<Passing> at = passing_at(held, looks, i))
+      samples.push_back({looks.all(at->row, at->col, at->direction), true, 1, number});
+  }
+  const auto lines = static_cast<double>(samples.size());
+  std::mt19937 random{static_cast<std::uint32_t>(number + 1)};
+  for (int tries = 0; tries < (alone ? k_tries : k_any); ++tries) {
+    const int row = std::uniform_int_distribution<int>{0, held.raster.rows - 1}(random);
+    const int col = std::uniform_int_distribution<int>{0, held.raster.cols - 1}(random);
+    const auto k = std::uniform_int_distribution<std::size_t>{0, bite_line::k_directions - 1}(random);
+    const std::size_t cell = held.raster.at(row, col);
+    if (held.raster.seen[cell] == 0 || (tries >= k_any && !looks.turns(cell, k))) continue;
+    if (tries >= k_any && geometry::logistic(static_cast<double>(
+                              bite_line::log_odds(*alone, looks.alone(row, col, k)))) < k_like_crease)
+      continue;
+    if (least_off_mm(held.raster.place(row, col), held.truth, held.turn_mm) < 2.5 + held.truth_mm) continue;
+    (tries < k_any ? any : creases).push_back({looks.all(row, col, k), false, 0, number});
+  }
+  const double share = creases.empty() ? 1 : 0.5;
+  for (std::vector<Sample>* of : {&any, &creases}) {
+    for (Sample& sample : *of) {
+      sample.weight = share * lines / static_cast<double>(of->size());
+      samples.push_back(sample);
+    }
+  }
+  return samples;
+}
+
+/// Newton's method with a ridge; the last `unused` signs stay 0.
+SignWeights fitted(const std::vector<Sample>& samples, const std::vector<Held>& held, std::size_t unused,
+                   const std::string& left_out) {
+  constexpr double k_ridge = 1e-3;
+  const auto n = static_cast<Eigen::Index>(k_crease_signs - unused);
+  std::map<bool, double> total;
+  for (const Sample& sample : samples)
+    if (held[sample.held].group != left_out) total[held[sample.held].made()] += sample.weight;
+  Eigen::VectorXd w = Eigen::VectorXd::Zero(n);
+  for (int round = 0; round < 25; ++round) {
+    Eigen::VectorXd gradient = -k_ridge * w;
+    Eigen::MatrixXd hessian = k_ridge * Eigen::MatrixXd::Identity(n, n);
+    for (const Sample& sample : samples) {
+      const Held& of = held[sample.held];
+      if (of.group == left_out) continue;
+      const Eigen::VectorXd x =
+          Eigen::Map<const Eigen::Matrix<float, static_cast<int>(k_crease_signs), 1>>(sample.signs.data())
+              .head(n)
+              .cast<double>();
+      const double p = geometry::logistic(w.dot(x));
+      const double weight = sample.weight / total[of.made()];
+      gradient += weight * ((sample.line ? 1.0 : 0.0) - p) * x;
+      hessian += weight * p * (1 - p) * x * x.transpose();
+    }
+    const Eigen::VectorXd step = hessian.ldlt().solve(gradient);
+    w += step * std::min(1.0, 2.0 / std::max(step.cwiseAbs().maxCoeff(), 1e-9));
+    if (step.cwiseAbs().maxCoeff() < 1e-5) break;
+  }
+  SignWeights weights{};
+  for (Eigen::Index i = 0; i < n; ++i) weights[static_cast<std::size_t>(i)] = static_cast<float>(w[i]);
+  return weights;
+}
+
+/// Tried for PosteriorConfig::temperature.
+constexpr std::array k_temperatures{0.7, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0};
+
+struct SearchVerdict {
+  double wrong_mm{0};
+  double energy{0};
+  /// Mean logarithm of what the posterior gave to what is true, per temperature.
+  std::array<double, k_temperatures.size()> score{};
+};
+
+bool known_beside(const Held& held, const Vec2& place) {
+  constexpr double k_beside_mm = 3;
+  return std::ranges::any_of(held.truth, [&](const Vec2& at) {
+    return off_mm({place.x(), at.y()}, at, held.turn_mm) < k_beside_mm;
+  });
+}
+
+/// Whether the line is where the posterior holds it, station by station.
+void score(const Held& held, const bite_line::CurveSearch& search, const ClosedCurve& curve,
+           SearchVerdict& verdict) {
+  constexpr double k_least = 1e-3;  // no posterior is surer than that
+  Large<float> excess = search.excess_about(curve);
+  if (const std::optional<ClosedCurve> rival = search.other_than(curve))
+    bite_line::add_rival(held.raster, *rival, std::max(0.0, rival->energy - curve.energy), excess);
+  for (std::size_t t = 0; t < k_temperatures.size(); ++t) {
+    const auto stations =
+        bite_line::curve_posterior(held.raster, curve, excess, {.temperature = k_temperatures[t]});
+    for (const bite_line::CurveStation& station : stations) {
+      if (!known_beside(held, station.place)) continue;
+      const bool right = least_off_mm(station.place, held.truth, held.turn_mm) < 2.25 + held.truth_mm;
+      const double hold = right ? station.hold : 1 - station.hold;
+      verdict.score[t] += std::log(std::max(hold, k_least)) / static_cast<double>(stations.size());
+    }
+  }
+}
+
+SearchVerdict searched(const Held& held, const CurveWeights& weights, const bite_line::CurveConfig& config,
+                       bool scored = false) {
+  SearchVerdict verdict;
+  CreaseLooks looks{held.raster};
+  const bite_line::CurveCosts costs = bite_line::curve_costs(held.raster, looks, weights);
+  const bite_line::CurveSearch search{costs, config};
+  const std::optional<ClosedCurve> curve = search.best();
+  if (curve && scored) score(held, search, *curve, verdict);
+  std::vector<Vec2> places;
+  if (curve)
+    for (const bite_line::CurveState& at : curve->states) places.push_back(held.raster.place(at.row, at.col));
+  verdict.energy = curve ? curve->energy : 0;
+  for (std::size_t i = 0; i < held.truth.size(); ++i) {
+    const bool seen = passing_at(held, looks, i).has_value();
+    if (seen && least_off_mm(held.truth[i], places, held.turn_mm) > 2.0 + held.truth_mm)
+      verdict.wrong_mm += Raster::k_cell_mm;
+  }
+  return verdict;
+}
+
+void print_weights(const char* name, const SignWeights& weights) {
+  std::printf("      .%s = {", name);
+  for (std::size_t i = 0; i < k_crease_signs; ++i)
+    std::printf("%s%.3fF", i == 0 ? "" : ", ", static_cast<double>(weights[i]));
+  std::printf("}\n");
+}
+
+class CurveFit {
+ public:
+  CurveFit(CaseOptions cases, bite_line::CurveConfig config) : config_{config} {
+    for_cases(cases, [&](CurveCase&& of) {
+      const std::optional<bite_line::Side> side = side_of(of.scan.cloud);
+      if (!side) return;
+      const bite_line::SideGrid& grid = side->field.grid;
+      Held held{.kind = of.kind,
+                .group = of.group,
+                .name = of.name,
+                .raster = Raster::of({side->field.places.data(), side->field.places.size()},
+                                     side->outline.length_mm(), grid.z_low_mm, grid.rows * grid.row_mm,
+                                     side->field.points_per_mm2),
+                .truth = truth_on_side(*side, of),
+                .truth_mm = of.truth_mm,
+                .turn_mm = side->outline.length_mm()};
+      if (!held.truth.empty()) held_.push_back(std::move(held));
+    });
+  }
+
+  void run() {
+    weights_.alone = fitted(samples({}), held_, 2, "");
+    samples_ = samples(weights_.alone);
+    weights_.all = fitted(samples_, held_, 0, "");
+    print_weights("alone", weights_.alone);
+    print_weights("all", weights_.all);
+    tell("fitted", search_all(weights_));
+  }
+
+  /// As they are in the product, on these cases.
+  void check() { tell("checked", search_all(bite_line::fitted_weights())); }
+
+  void leave_out() {
+    std::map<std::string, std::vector<std::size_t>> groups;
+    for (std::size_t i = 0; i < held_.size(); ++i) groups[held_[i].group].push_back(i);
+    for (const auto& [group, members] : groups) {
+      CurveWeights without = weights_;
+      without.all = fitted(samples_, held_, 0, group);
+      std::vector<SearchVerdict> verdicts(members.size());
+      tbb::parallel_for(std::size_t{0}, members.size(),
+                        [&](std::size_t i) { verdicts[i] = searched(held_[members[i]], without, config_); });
+      int right = 0;
+      double wrong_mm = 0;
+      for (const SearchVerdict& verdict : verdicts) {
+        right += verdict.wrong_mm <= 5 ? 1 : 0;
+        wrong_mm += verdict.wrong_mm;
+      }
+      std::printf("left out %-34s right %d of %zu, wrong %.0f mm\n", group.c_str(), right, members.size(),
+                  wrong_mm);
+    }
+  }
+
+ private:
+  [[nodiscard]] std::vector<Sample> samples(const std::optional<SignWeights>& alone) const {
+    std::vector<std::vector<Sample>> each(held_.size());
+    tbb::parallel_for(std::size_t{0}, held_.size(), [&](std::size_t i) {
+      CreaseLooks looks{held_[i].raster};
+      if (alone) looks.look_beside(*alone);
+      each[i] = samples_of(held_[i], i, looks, alone);
+    });
+    std::vector<Sample> all;
+    for (const std::vector<Sample>& of : each) all.insert(all.end(), of.begin(), of.end());
+    return all;
+  }
+
+  [[nodiscard]] std::vector<SearchVerdict> search_all(const CurveWeights& weights) const {
+    std::vector<SearchVerdict> verdicts(held_.size());
+    tbb::parallel_for(std::size_t{0}, held_.size(),
+                      [&](std::size_t i) { verdicts[i] = searched(held_[i], weights, config_, true); });
+    return verdicts;
+  }
+
+  void tell(const char* what, const std::vector<SearchVerdict>& verdicts) const {
+    std::map<std::string, std::pair<int, int>> right;
+    for (std::size_t i = 0; i < held_.size(); ++i) {
+      auto& [good, all] = right[held_[i].kind];
+      good += verdicts[i].wrong_mm <= 5 ? 1 : 0;
+      ++all;
+      if (verdicts[i].wrong_mm > 5)
+        std::printf("  %-60s wrong %.0f mm of %.0f, energy %.0f\n", held_[i].name.c_str(),
+                    verdicts[i].wrong_mm, Raster::k_cell_mm * static_cast<double>(held_[i].truth.size()),
+                    verdicts[i].energy);
+    }
+    for (std::size_t t = 0; t < k_temperatures.size(); ++t) {
+      std::map<std::string, double> sum;
+      for (std::size_t i = 0; i < held_.size(); ++i) sum[held_[i].kind] += verdicts[i].score[t];
+      std::printf("temperature %.1f: mean score", k_temperatures[t]);
+      for (const auto& [kind, of_kind] : sum)
+        std::printf(" %s %.4f", kind.c_str(), of_kind / right[kind].second);
+      std::printf("\n");
+    }
+    for (const auto& [kind, count] : right)
+      std::printf("%s: %s right %d of %d\n", what, kind.c_str(), count.first, count.second);
+    std::fflush(stdout);
+  }
+
+  bite_line::CurveConfig config_;
+  std::vector<Held> held_;
+  std::vector<Sample> samples_;
+  CurveWeights weights_{};
+};
+
+int run(int argc, char** argv) {
+  CaseOptions cases;
+  bite_line::CurveConfig config;
+  std::size_t threads = 2;
+  bool only_check = false, leave_out = false;
+  options::Command command{"Fits the curve's data term", "bench_curve_fit"};
+  command.add_option("--seed", cases.seed, "of the made shoes")->capture_default_str();
+  command.add_option("--ordinary", cases.ordinary, "made shoes")->capture_default_str();
+  command.add_option("--guards", cases.guards, "with a toe guard")->capture_default_str();
+  command.add_option("--heels", cases.heels, "with a high heel")->capture_default_str();
+  command.add_option("--bend", config.bend_mm, "of the curve")->capture_default_str();
+  command.add_option("--threads", threads, "so many at once")->capture_default_str();
+  command.add_flag("--check", only_check, "the product's own weights, fitting none");
+  command.add_flag("--leave-out", leave_out, "each class and shape in turn");
+  if (const std::optional<int> status = read_options(command, argc, argv)) return *status;
+  const tbb::global_control limit{tbb::global_control::max_allowed_parallelism, threads};
+  CurveFit fit{cases, config};
+  if (only_check) {
+    fit.check();
+    return 0;
+  }
+  fit.run();
+  if (leave_out) fit.leave_out();
+  return 0;
+}
+
+}  // namespace
+}  // namespace biteline::bench
+
+int main(int argc, char** argv) {
+  return biteline::bench::run(argc, argv);
+}

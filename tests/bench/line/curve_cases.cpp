@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: MIT
+#include "tests/bench/line/curve_cases.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "host/bite_line/scan_points.hpp"
+#include "host/bite_line/side/side_outline.hpp"
+#include "host/cloud/ply.hpp"
+#include "tests/support/mesh_cloud.hpp"
+#include "tests/support/shape_truth.hpp"
+#include "tests/support/shared_data.hpp"
+
+namespace biteline::bench {
+
+namespace {
+
+/// Beside test::k_shapes; those whose line is not known by labels come without.
+struct LabelledShape {
+  const char* name;
+  bool known;
+};
+constexpr LabelledShape k_labelled[] = {
+    {"s42_welted_leather_heel", true}, {"s45_canvas_13_parts", true}, {"s46_adi_8_parts", true},
+    {"s41_low_basketball", false},     {"s43_running", false},        {"s44_worn_trainer_scan", false},
+    {"s47_stiletto_pump", false},      {"s48_child_low_poly", false}};
+
+struct MadeKind {
+  const char* name;
+  int count;
+  std::uint64_t seed;
+  bool guard;
+  std::optional<double> heel_ratio;
+};
+
+void made_cases(const MadeKind& kind, const std::function<void(CurveCase&&)>& use) {
+  int made = 0;
+  for (std::uint64_t index = 0; made < kind.count; ++index) {
+    test::SweepCell cell = test::sweep_cell(kind.seed, index);
+    cell.shoe.toe_guard = kind.guard;
+    cell.shoe.heel_ratio = kind.heel_ratio;
+    const bool designed = sim::is_designed(cell.shoe.shoe_class);
+    if (!cell.is_shoe() || ((kind.guard || kind.heel_ratio) && !designed)) continue;
+    const std::string group{sim::name_of(cell.shoe.shoe_class)};
+    if (kind.heel_ratio && group != "pump") continue;
+    ++made;
+    use({.kind = kind.name,
+         .group = group,
+         .name = std::string{kind.name} + " " + std::to_string(kind.seed) + "/" + std::to_string(index) +
+                 " " + group + " " + std::string{sim::name_of(cell.shoe.decoy)} + " " +
+                 std::string{test::name_of(cell.fault)},
+         .scan = test::scan_of(cell),
+         .truth_mm = 0});
+  }
+}
+
+void shape_cases(bool unknown, const std::function<void(CurveCase&&)>& use) {
+  constexpr double k_label_mm = 1.0;
+  for (const test::Shape& shape : test::k_shapes) {
+    const bool known = shape.truth == test::Shape::Truth::Line;
+    if (shape.truth == test::Shape::Truth::NoLine || (!known && !unknown)) continue;
+    auto cloud = test::cloud_of(shape);
+    auto truth = test::truth_of(shape);
+    if (!cloud || !truth) continue;
+    use({.kind = "shape",
+         .group = shape.name,
+         .name = shape.name,
+         .scan = {.cloud = std::move(*cloud), .truth = std::move(truth->line)},
+         .truth_mm = k_label_mm});
+  }
+  for (const LabelledShape& shape : k_labelled) {
+    if (!shape.known && !unknown) continue;
+    const std::string folder = std::string{"shapes3/"} + shape.name;
+    const auto file = test::shared_data(folder + "/cloud.ply");
+    if (!file) continue;
+    auto cloud = cloud::read_cloud(*file);
+    if (!cloud) continue;
+    CurveCase of{.kind = "shape",
+                 .group = shape.name,
+                 .name = shape.name,
+                 .scan = {.cloud = std::move(*cloud), .truth = {}},
+                 .truth_mm = k_label_mm};
+    if (shape.known) {
+      const auto labels = test::shared_data(folder + "/truth_label.csv");
+      if (!labels) continue;
+      auto line = cloud::read_positions(*labels);
+      if (!line) continue;
+      of.scan.truth = std::move(*line);
+    }
+    use(std::move(of));
+  }
+}
+
+}  // namespace
+
+void for_cases(const CaseOptions& options, const std::function<void(CurveCase&&)>& use) {
+  made_cases({"ordinary", options.ordinary, options.seed, false, {}}, use);
+  made_cases({"guard", options.guards, options.seed + 1, true, {}}, use);
+  made_cases({"heel", options.heels, options.seed + 2, false, options.heel_ratio}, use);
+  if (options.shapes) shape_cases(options.unknown_shapes, use);
+}
+
+std::optional<bite_line::Side> side_of(const cloud::PointCloud& cloud) {
+  constexpr double k_top_mm = 150;  // as find_by_curve() has it
+  const bite_line::PointRuns runs = bite_line::runs_of(cloud);
+  bite_line::OrRefusal<bite_line::Shoe> shoe = bite_line::find_shoe(runs.scan(cloud.points).means);
+  if (!shoe) return std::nullopt;
+  bite_line::Outline outline = bite_line::side_outline(*shoe);
+  bite_line::SideField field = bite_line::SideField::build(*shoe, outline, {.top_mm = k_top_mm});
+  return bite_line::Side{std::move(*shoe), std::move(outline), std::move(field)};
+}
+
+std::vector<Vec2> truth_on_side(const bite_line::Side& side, const CurveCase& of) {
+  constexpr double k_spacing_mm = 0.75, k_chord_mm = 3.0;
+  const SE3 T_shoe_base = side.shoe.T_base_shoe.inverse();
+  const double turn_mm = side.outline.length_mm();
+  std::vector<Vec2> corners;
+  double round_mm = 0;
+  for (const cloud::LinePoint& point : of.scan.truth.points) {
+    const bite_line::OutlinePlace place =
+        side.outline.locate(Eigen::Vector3f{(T_shoe_base * point.position).cast<float>()});
+    if (place.s_mm < 0) continue;
+    Vec2 at{static_cast<double>(place.s_mm), static_cast<double>(place.z_mm)};
+    if (!corners.empty()) {
+      at.x() += turn_mm * std::round((corners.back().x() - at.x()) / turn_mm);
+      round_mm += at.x() - corners.back().x();
+    }
+    corners.push_back(at);
+  }
+  if (round_mm < 0) std::ranges::reverse(corners);
+  std::vector<Vec2> places;
+  for (std::size_t i = 0; i + 1 < corners.size(); ++i) {
+    const Vec2 edge = corners[i + 1] - corners[i];
+    // A made line knows its upright flanks by their ends; labels know nothing along a chord.
+    if (of.truth_mm > 0 && edge.norm() > k_chord_mm) continue;
+    const int steps = std::max(1, static_cast<int>(std::lround(edge.norm() / k_spacing_mm)));
+    for (int k = 0; k < steps; ++k) {
+      const Vec2 at = corners[i] + edge * k / steps;
+      if (places.empty() || (at - places.back()).norm() >= 0.9 * k_spacing_mm) places.push_back(at);
+    }
+  }
+  return places;
+}
+
+}  // namespace biteline::bench
