@@ -118,7 +118,7 @@ Result<ExitStatus> replay(ReplayOptions options, const GlobalOptions& global) {
     if (!progress) progress.emplace("profiles", total, global.quiet);
     progress->set(done);
   };
-  // The published way wants the whole cloud; the default works along with the scan.
+  // The other ways want the whole cloud; the default works along with the scan.
   std::optional<intake::LiveLine> line;
   std::vector<drift::PosedProfile> poses;
   if (options.method == Method::Default) line.emplace(bite_line::Config{});

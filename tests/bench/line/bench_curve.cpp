@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: MIT
+// The default finder and the closed curve side by side, on made shoes of new seeds (ordinary, toe guards,
+// high heels) and on shapes of public origin: right, wrong, refused, and the time each takes.
+//
+// Without a known line a shape is told with how far both lines lie apart: these are to be looked at.
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "host/bite_line/curve/find_by_curve.hpp"
+#include "host/bite_line/find_bite_line.hpp"
+#include "host/cloud/ply.hpp"
+#include "tests/bench/line/curve_cases.hpp"
+#include "tests/bench/line/sweep_options.hpp"
+#include "tests/support/line_distance.hpp"
+#include "tests/support/shape_truth.hpp"
+
+namespace biteline::bench {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+struct Found {
+  bite_line::Extraction line;
+  double ms{0};
+};
+
+template <class Find>
+Found timed(Find&& find) {
+  const Clock::time_point begin = Clock::now();
+  Found found{.line = find(), .ms = 0};
+  found.ms = std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
+  return found;
+}
+
+struct Verdict {
+  std::string word;  ///< right, WRONG, refused, or found where the line is not known
+  double wrong_mm{0}, mean_mm{0}, flagged{0};
+};
+
+Verdict verdict_of(const CurveCase& of, const bite_line::Extraction& found) {
+  Verdict verdict{.word = found.found ? "found" : "refused"};
+  if (!found.found || of.scan.truth.points.empty()) return verdict;
+  if (of.truth_mm > 0) {
+    const test::LineOnShape on = test::line_on_shape(found.line, of.scan.truth, of.truth_mm);
+    return {on.wrong_mm > 5 ? "WRONG" : "right", on.wrong_mm, on.mean_unflagged_mm, on.flagged};
+  }
+  const test::SweepVerdict judged = test::judge(of.scan, found);
+  return {word_for(judged.judged), judged.wrong_mm, judged.mean_mm, judged.flagged_share};
+}
+
+struct Tally {
+  int all{0}, right{0}, wrong{0}, refused{0}, plain{0}, plain_refused{0};
+  double mean_mm{0}, ms{0};
+  int known{0};
+
+  void add(const CurveCase& of, const Verdict& verdict, double took_ms) {
+    ++all;
+    right += verdict.word == "right" ? 1 : 0;
+    wrong += verdict.word == "WRONG" ? 1 : 0;
+    refused += verdict.word == "refused" ? 1 : 0;
+    plain += of.scan.plain_to_see ? 1 : 0;
+    plain_refused += of.scan.plain_to_see && verdict.word == "refused" ? 1 : 0;
+    ms += took_ms;
+    if (verdict.word != "right") return;
+    ++known;
+    mean_mm += verdict.mean_mm;
+  }
+};
+
+class Compare {
+ public:
+  explicit Compare(std::string save) : save_{std::move(save)} {}
+
+  void judge(const CurveCase& of) {
+    const Found ours = timed([&] { return bite_line::find_bite_line(of.scan.cloud, {}); });
+    const Found curve = timed([&] { return bite_line::find_by_curve(of.scan.cloud, {}); });
+    tell(of, "default", ours);
+    tell(of, "curve", curve);
+    if (ours.line.found && curve.line.found) {
+      double most = 0, sum = 0;
+      for (const cloud::LinePoint& point : curve.line.line.points) {
+        const double off = test::distance_mm(point.position, ours.line.line);
+        most = std::max(most, off);
+        sum += off / static_cast<double>(curve.line.line.points.size());
+      }
+      std::fprintf(stderr, "    apart: mean %.3f max %.2f mm\n", sum, most);
+    }
+    if (!save_.empty()) save(of, ours.line, curve.line);
+  }
+
+  void summary() const {
+    for (const auto& [what, tally] : tallies_)
+      std::printf(
+          "{\"bench\":\"line.curve\",\"what\":\"%s\",\"shoes\":%d,\"right\":%d,\"wrong\":%d,\"refused\":%d,"
+          "\"plain\":%d,\"plain_refused\":%d,\"mean_mm\":%.3f,\"ms\":%.0f}\n",
+          what.c_str(), tally.all, tally.right, tally.wrong, tally.refused, tally.plain, tally.plain_refused,
+          tally.mean_mm / std::max(1, tally.known), tally.ms / std::max(1, tally.all));
+  }
+
+ private:
+  void tell(const CurveCase& of, const char* method, const Found& found) {
+    const Verdict verdict = verdict_of(of, found.line);
+    tallies_[of.kind + ", " + method].add(of, verdict, found.ms);
+    std::fprintf(stderr, "%-56s %-8s %-8s %s wrong %.1f mm mean %.3f flagged %.3f conf %.3f %.0f ms %s\n",
+                 of.name.c_str(), method, verdict.word.c_str(), of.scan.plain_to_see ? "plain" : "weak",
+                 verdict.wrong_mm, verdict.mean_mm, verdict.flagged, found.line.confidence, found.ms,
+                 found.line.reason().c_str());
+    for (const report::StageTime& stage : found.line.stages)
+      std::fprintf(stderr, " %s %.0f", stage.name, 1000 * stage.seconds);
+    std::fprintf(stderr, "\n");
+  }
+
+  void save(const CurveCase& of, const bite_line::Extraction& ours,
+            const bite_line::Extraction& curve) const {
+    const std::filesystem::path folder{save_};
+    bool written = cloud::write_cloud(folder / (of.name + ".ply"), of.scan.cloud).has_value();
+    if (ours.found) written = cloud::write_line(folder / (of.name + "_default.csv"), ours.line) && written;
+    if (curve.found) written = cloud::write_line(folder / (of.name + "_curve.csv"), curve.line) && written;
+    if (!written) std::fprintf(stderr, "%s: cannot be written\n", of.name.c_str());
+  }
+
+  std::string save_;
+  std::map<std::string, Tally> tallies_;
+};
+
+int run(int argc, char** argv) {
+  CaseOptions cases{.seed = 9201, .unknown_shapes = true};
+  std::string save;
+  bool no_shapes = false;
+  options::Command command{"The default finder beside the closed curve", "bench_curve"};
+  command.add_option("--seed", cases.seed, "of the made shoes")->capture_default_str();
+  command.add_option("--ordinary", cases.ordinary, "made shoes")->capture_default_str();
+  command.add_option("--guards", cases.guards, "with a toe guard")->capture_default_str();
+  command.add_option("--heels", cases.heels, "with a high heel")->capture_default_str();
+  command.add_option("--heel", cases.heel_ratio, "its height over the length")->capture_default_str();
+  command.add_flag("--made", no_shapes, "made shoes alone");
+  command.add_option("--save", save, "clouds and lines go to this folder");
+  if (const std::optional<int> status = read_options(command, argc, argv)) return *status;
+  cases.shapes = !no_shapes;
+  Compare compare{save};
+  for_cases(cases, [&](CurveCase&& of) { compare.judge(of); });
+  compare.summary();
+  return 0;
+}
+
+}  // namespace
+}  // namespace biteline::bench
+
+int main(int argc, char** argv) {
+  return biteline::bench::run(argc, argv);
+}
