@@ -11,7 +11,7 @@
 namespace biteline {
 
 /// Exit status of every program (see README, "Exit status").
-enum class ExitStatus : int { Done = 0, BadInput = 2, Refused = 3, Connection = 4 };
+enum class ExitStatus : int { Done = 0, BadInput = 2, Refused = 3, Connection = 4, Review = 5 };
 
 /// Ranges: 1xx use, 2xx files and their contents, 3xx readable input without a trustworthy result,
 /// 4xx devices and connections, 5xx real time and safety.  `error_table()` has a row for each.

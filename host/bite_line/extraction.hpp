@@ -19,7 +19,7 @@ namespace biteline::bite_line {
 
 struct Config {
   double point_spacing_mm{0.5};      ///< of the resulting line
-  double min_confidence_ratio{0.5};  ///< a line less sure than this is refused
+  double min_confidence_ratio{0.5};  ///< a line less sure than this is a person's to look at
   /// The head that scanned, with what its calibration states: part of U95 where the scan has poses, too.
   std::shared_ptr<const uncertainty::KnownHead> head{};
   /// Of the arm, by earlier scans: for one with poses that does not show it.
@@ -37,12 +37,18 @@ struct Candidate {
   std::vector<Vec3> points;  ///< base, mm, in order
 };
 
+enum class Verdict {
+  Refused,  ///< there is no line to show
+  Review,   ///< a line, and a person must settle its flagged stretches before anything is done along it
+  Ok,
+};
+
 struct Extraction {
-  bool found{false};
-  std::optional<Refusal> refusal{};  ///< when not found
+  bool found{false};                 ///< a line that may be worked
+  std::optional<Refusal> refusal{};  ///< when not found: why there is no line, or why a person must look
   /// When not found, and the scan itself shows too little: it goes before `refusal`.
   std::optional<report::ToldRefusal> scan_cause{};
-  cloud::ClosedLine line{};        ///< empty when not found
+  cloud::ClosedLine line{};        ///< empty when refused; when not found, its open stretches are flagged
   double confidence{0};            ///< that the line as a whole is the bite line
   double closure_mm{0};            ///< of the published method; other lines close
   std::optional<SeamStep> seam{};  ///< how far the scan's end lies from its begin, where it shows both
@@ -54,6 +60,10 @@ struct Extraction {
   SE3 T_base_shoe{SE3::Identity()};
   std::vector<report::StageTime> stages{};  ///< in order, wall time
 
+  [[nodiscard]] Verdict verdict() const {
+    if (found) return Verdict::Ok;
+    return line.points.empty() ? Verdict::Refused : Verdict::Review;
+  }
   /// Why not found.
   [[nodiscard]] std::optional<report::ToldRefusal> told() const {
     if (scan_cause || !refusal) return scan_cause;

@@ -59,7 +59,7 @@ Extraction find_bite_line(const ScanPoints& scan, const Config& config, std::opt
     found.decision = clock.run("decision", [&] {
       return decide(layers, plan_shape(side_reach(side)), seam, config.min_confidence_ratio);
     });
-    if (!found.decision.refusal) {
+    if (!found.decision.refusal || found.decision.for_review) {
       found.placed = clock.run("place", [&] {
         return place_path(scan, side, found.decision.paths.front().row,
                           {.hold = layers.hold, .other_mm = layers.other_mm, .sharp = layers.sharp},
@@ -80,7 +80,7 @@ Extraction find_bite_line(const ScanPoints& scan, const Config& config, std::opt
     const Guide round = clock.run("way_round", [&] { return way_round(side, layers, {}); });
     if (!round.places.empty()) {
       AlongGuide along = look_along(round);
-      if (Extraction again = written(along); !again.refusal) {
+      if (Extraction again = written(along); again.verdict() > extraction.verdict()) {
         found = std::move(along);
         extraction = std::move(again);
       }

@@ -62,7 +62,7 @@ double off_path_mm(const Side& side, const Shown& point, const JudgedPath& path)
 void add_points(const Workings& workings, const std::vector<Shown>& shown, LineStages& stages) {
   const Side& side = workings.side;
   const Eigen::Isometry3f T_base_shoe = side.shoe.T_base_shoe.cast<float>();
-  const bool found = !workings.decision.refusal;
+  const bool found = !workings.placed.points.empty();
   for (const Shown& point : shown) {
     const auto index = static_cast<std::uint32_t>(stages.surface.points.size());
     const Vec2 out = side.outline.normal(static_cast<double>(side.field.places[point.of_shoe].s_mm));
@@ -134,7 +134,7 @@ UnrolledSide unrolled(const Workings& workings) {
   }
   const auto& paths = workings.decision.paths;
   for (std::size_t i = 0; i < paths.size(); ++i) {
-    if (i == 0 && !workings.decision.refusal) {
+    if (i == 0 && !workings.placed.points.empty()) {
       picture.path_row = picture_rows(grid, paths[i]);
     } else {
       picture.rival_rows.push_back(picture_rows(grid, paths[i]));

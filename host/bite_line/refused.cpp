@@ -8,6 +8,8 @@ namespace biteline::bite_line {
 std::span<const report::RefusalRow<Refused>> refusal_table(Refused) {
   using enum Refused;
   using Row = report::RefusalRow<Refused>;
+  constexpr const char* k_settle =
+      "settle the flagged stretches by biteline line edit or in the page, or transfer the line of a sample";
   static constexpr std::array k_rows{
       Row{TooFewPoints, "too_few_points", "put the shoe into the sensor's sight and scan again"},
       Row{NothingConnected, "nothing_connected", "put the shoe into the sensor's sight and scan again"},
@@ -21,12 +23,16 @@ std::span<const report::RefusalRow<Refused>> refusal_table(Refused) {
       Row{NoUpper, "no_upper", "scan a shoe with a closed upper"},
       Row{NoSole, "no_sole", "scan a shoe with its sole on, and with the sole in sight"},
       Row{Overhang, "overhang", "scan a shoe with its sole on"},
-      Row{CutIntoSole, "cut_into_sole", "clean the edge of the sole, or transfer the line of a sample"},
-      Row{Rivalled, "rivalled", "compare the candidates in the report; transfer the line of a sample"},
-      Row{TooMuchUnsure, "too_much_unsure", "scan the shoe again, more slowly and all the way round"},
+      Row{CutIntoSole, "cut_into_sole", k_settle},
+      Row{Rivalled, "rivalled", k_settle},
+      Row{TooMuchUnsure, "too_much_unsure", k_settle},
       Row{TooMuchUncertain, "too_much_uncertain",
-          "calibrate head, mounting and clock anew, or scan with less noise and vibration"},
-      Row{TooMuchBridged, "too_much_bridged", "scan the shoe again, all the way round"},
+          "settle the flagged stretches by biteline line edit or in the page, or scan with less noise and "
+          "vibration"},
+      Row{TooMuchBridged, "too_much_bridged",
+          "scan the shoe again, all the way round, or settle the flagged stretches by biteline line edit or "
+          "in the page"},
+      Row{NotSure, "not_sure", k_settle},
   };
   return k_rows;
 }

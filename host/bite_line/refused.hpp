@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file Why a cloud has no bite line.
+/// \file Why a cloud has no bite line, or one that a person must look at first.
 
 #include <tl/expected.hpp>
 
@@ -26,6 +26,7 @@ enum class Refused {
   TooMuchUnsure,     ///< too many of its points are below the limit
   TooMuchUncertain,  ///< too many of its points are sure, and yet have a U95 above 1 mm
   TooMuchBridged,    ///< the line is there, but too much of it was not seen
+  NotSure,           ///< every gate says yes, and all of them together hardly
 };
 
 [[nodiscard]] std::span<const report::RefusalRow<Refused>> refusal_table(Refused);

@@ -11,7 +11,7 @@ namespace biteline::bite_line {
 struct Workings {
   Side side;
   Decision decision;
-  PlacedLine placed;  ///< empty when the decision is a refusal
+  PlacedLine placed;  ///< empty when the decision is a refusal and not for review
 };
 
 }  // namespace biteline::bite_line

@@ -17,4 +17,10 @@ Flagged flagged_of(const ClosedLine& line, double min_confidence) {
   return flagged;
 }
 
+double flagged_share(const ClosedLine& line) {
+  const auto flagged =
+      std::ranges::count_if(line.points, [](const LinePoint& p) { return (p.flags & k_line_unsure) != 0; });
+  return static_cast<double>(flagged) / static_cast<double>(std::max<std::size_t>(line.points.size(), 1));
+}
+
 }  // namespace biteline::cloud

@@ -6,7 +6,7 @@
 
 namespace biteline::cloud {
 
-/// A line with more than this flagged is none: a tool would work beside the bite line there.
+/// A line with more than this flagged is a person's to settle: a tool would work beside the bite line there.
 inline constexpr double k_most_flagged_share = 0.1;
 
 /// Shares of a line's points that are flagged, by what flags them.
@@ -20,5 +20,8 @@ struct Flagged {
 
 /// A point below `min_confidence` counts as flagged, too.
 [[nodiscard]] Flagged flagged_of(const ClosedLine& line, double min_confidence = k_sure_ratio);
+
+/// Share of the points that bear the flag, whatever their figures say.
+[[nodiscard]] double flagged_share(const ClosedLine& line);
 
 }  // namespace biteline::cloud

@@ -263,15 +263,15 @@ Result<std::vector<CellRow>> Centre::cells() {
   return work<std::vector<CellRow>>([&](State& state) {
     pqxx::work work{state.connection};
     std::vector<CellRow> rows;
-    for (const pqxx::row& row :
-         work.exec("SELECT cells.cell, version, online, (extract(epoch FROM heard) * 1000)::bigint, waiting, "
-                   "count(scan), count(*) FILTER (WHERE verdict = 'ok'), count(*) FILTER (WHERE verdict = "
-                   "'amber'), "
-                   "count(*) FILTER (WHERE verdict = 'refused'), "
-                   "count(*) FILTER (WHERE verdict NOT IN ('ok', 'amber', 'refused')), "
-                   "(extract(epoch FROM max(time)) * 1000)::bigint "
-                   "FROM cells LEFT JOIN shoes ON shoes.cell = cells.cell GROUP BY cells.cell ORDER BY "
-                   "cells.cell")) {
+    for (const pqxx::row& row : work.exec(
+             "SELECT cells.cell, version, online, (extract(epoch FROM heard) * 1000)::bigint, waiting, "
+             "count(scan), count(*) FILTER (WHERE verdict = 'ok'), count(*) FILTER (WHERE verdict = "
+             "'amber'), "
+             "count(*) FILTER (WHERE verdict = 'refused'), "
+             "count(*) FILTER (WHERE verdict NOT IN ('ok', 'amber', 'review', 'refused')), "
+             "(extract(epoch FROM max(time)) * 1000)::bigint, count(*) FILTER (WHERE verdict = 'review') "
+             "FROM cells LEFT JOIN shoes ON shoes.cell = cells.cell GROUP BY cells.cell ORDER BY "
+             "cells.cell")) {
       CellRow cell;
       cell.cell = row[0].as<std::string>();
       cell.version = row[1].as<std::string>();
@@ -284,6 +284,7 @@ Result<std::vector<CellRow>> Centre::cells() {
       cell.refused = row[8].as<std::int64_t>();
       cell.failed = row[9].as<std::int64_t>();
       if (!row[10].is_null()) cell.last_shoe_ms = row[10].as<std::int64_t>();
+      cell.review = row[11].as<std::int64_t>();
       rows.push_back(std::move(cell));
     }
     return rows;

@@ -22,7 +22,7 @@ struct CellRow {
   bool online{false};
   std::int64_t heard_ms{0};  ///< since 1970, UTC
   std::int64_t waiting{0};
-  std::int64_t shoes{0}, ok{0}, amber{0}, refused{0}, failed{0};
+  std::int64_t shoes{0}, ok{0}, amber{0}, review{0}, refused{0}, failed{0};
   std::optional<std::int64_t> last_shoe_ms{};
 };
 

@@ -55,8 +55,8 @@ void write_shoes(Exposition& out, std::span<const CellRow> cells) {
   out.head("shoes_total", "counter", "Shoes of a cell in the database, by verdict.");
   for (const CellRow& cell : cells) {
     for (const auto& [verdict, count] :
-         {std::pair{"ok", cell.ok}, std::pair{"amber", cell.amber}, std::pair{"refused", cell.refused},
-          std::pair{"failed", cell.failed}}) {
+         {std::pair{"ok", cell.ok}, std::pair{"amber", cell.amber}, std::pair{"review", cell.review},
+          std::pair{"refused", cell.refused}, std::pair{"failed", cell.failed}}) {
       out.value(cell_label(cell.cell) + "," + metric_label("verdict", verdict), static_cast<double>(count));
     }
   }

@@ -20,9 +20,10 @@ constexpr const char* k_where =
 constexpr const char* k_no_stopped = " AND NOT (verdict = 'refused' AND reason_code = 'stopped_by_a_person')";
 constexpr const char* k_sums =
     "count(*), count(*) FILTER (WHERE verdict = 'ok'), count(*) FILTER (WHERE verdict = 'amber'), count(*) "
-    "FILTER (WHERE verdict = 'refused'), count(*) FILTER (WHERE verdict NOT IN ('ok', 'amber', 'refused')), "
+    "FILTER (WHERE verdict = 'refused'), count(*) FILTER (WHERE verdict NOT IN ('ok', 'amber', 'review', "
+    "'refused')), "
     "avg(length_mm), percentile_cont(0.5) WITHIN GROUP (ORDER BY u95_mm), percentile_cont(0.5) WITHIN GROUP "
-    "(ORDER BY cycle_s)";
+    "(ORDER BY cycle_s), count(*) FILTER (WHERE verdict = 'review')";
 /// 9999-12-31, beyond which PostgreSQL's times go, but nobody's shoes.
 constexpr memory::UnixMs k_latest_ms = 253'402'214'400'000;
 
@@ -36,6 +37,7 @@ memory::Trend trend_of(const pqxx::row& row, int first, memory::UnixMs begin) {
           .scans = row[first].as<std::int64_t>(),
           .ok = row[first + 1].as<std::int64_t>(),
           .amber = row[first + 2].as<std::int64_t>(),
+          .review = row[first + 8].as<std::int64_t>(),
           .refused = row[first + 3].as<std::int64_t>(),
           .failed = row[first + 4].as<std::int64_t>(),
           .mean_length_mm = number_if(row[first + 5]),

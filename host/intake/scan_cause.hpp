@@ -4,6 +4,7 @@
 /// anybody says that there is no shoe.
 
 #include <optional>
+#include <utility>
 
 #include "common/wire/messages.hpp"
 #include "host/intake/cloud_builder.hpp"
@@ -22,13 +23,21 @@ inline constexpr double k_many_without_stripe_ratio = 0.5;
 [[nodiscard]] std::optional<Refusal> scan_cause(const IngestCounts& counts, const wire::Counters& sensor,
                                                 const wire::Devices* devices = nullptr);
 
-/// Names that cause in what was found, an Extraction or a Transfer, where it was not found.
+/// As the cause of no result, an Extraction's or a Transfer's.
+template <class Found>
+void tell_scan_cause(Found& found, report::ToldRefusal cause) {
+  found.scan_cause = std::move(cause);
+  if constexpr (requires { found.line; }) found.line = {};
+}
+
+/// Names that cause in what was found, an Extraction or a Transfer, where it was not found.  A line that a
+/// person would have to settle is none then: a better scan shows more than a hand.
 template <class Found>
 void name_scan_cause(Found& found, const IngestCounts& counts, const wire::Counters& sensor,
                      const wire::Devices* devices = nullptr) {
   if (found.found) return;
   if (const std::optional<Refusal> cause = scan_cause(counts, sensor, devices))
-    found.scan_cause = report::told(*cause);
+    tell_scan_cause(found, report::told(*cause));
 }
 
 /// "12 of 815 profiles can be used: no pose (803)".

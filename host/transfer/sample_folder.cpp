@@ -5,6 +5,7 @@
 
 #include <optional>
 
+#include "host/cloud/flagged.hpp"
 #include "host/cloud/ply.hpp"
 
 namespace biteline::transfer {
@@ -22,6 +23,11 @@ Result<SampleFiles> read_sample(const std::filesystem::path& folder) {
   tbb::parallel_invoke([&] { cloud = cloud::read_cloud(folder / k_cloud_file); },
                        [&] { line = cloud::read_line(folder / k_line_file); });
   BITELINE_TRY(*line);
+  if (cloud::flagged_share(**line) > cloud::k_most_flagged_share) {
+    return fail(Errc::Refused,
+                "%s: a person must settle its line first (biteline line edit), and then it is a sample",
+                folder.c_str());
+  }
   BITELINE_TRY(*cloud);
   return SampleFiles{.cloud = std::move(**cloud), .line = std::move(**line)};
 }

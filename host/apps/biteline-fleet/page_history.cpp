@@ -30,6 +30,7 @@ Json sums_json(const memory::Trend& sums) {
   return {{"scans", sums.scans},
           {"ok", sums.ok},
           {"amber", sums.amber},
+          {"review", sums.review},
           {"refused", sums.refused},
           {"failed", sums.failed},
           {"length_mm", api::or_null(sums.mean_length_mm)},

@@ -47,6 +47,7 @@ Answer PageApi::list_cells(const Call&) {
                     {"scans", cell.shoes},
                     {"ok", cell.ok},
                     {"amber", cell.amber},
+                    {"review", cell.review},
                     {"refused", cell.refused},
                     {"failed", cell.failed},
                     {"last", cell.last_shoe_ms ? Json(memory::to_iso(*cell.last_shoe_ms)) : Json{}}});

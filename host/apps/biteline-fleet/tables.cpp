@@ -12,8 +12,8 @@ Result<ExitStatus> tell_cells(Centre& centre, bool as_json) {
   BITELINE_ASSIGN(const std::vector<CellRow> cells, centre.cells());
   control::Json json = control::Json::array();
   if (!as_json)
-    std::printf("%-20s %-8s %-24s %8s %8s %8s %8s %8s %8s\n", "cell", "state", "heard", "waiting", "shoes",
-                "ok", "amber", "refused", "failed");
+    std::printf("%-20s %-8s %-24s %8s %8s %8s %8s %8s %8s %8s\n", "cell", "state", "heard", "waiting",
+                "shoes", "ok", "amber", "review", "refused", "failed");
   for (const CellRow& cell : cells) {
     if (as_json) {
       json.push_back({{"cell", cell.cell},
@@ -24,17 +24,19 @@ Result<ExitStatus> tell_cells(Centre& centre, bool as_json) {
                       {"shoes", cell.shoes},
                       {"ok", cell.ok},
                       {"amber", cell.amber},
+                      {"review", cell.review},
                       {"refused", cell.refused},
                       {"failed", cell.failed},
                       {"last_shoe", cell.last_shoe_ms ? control::Json(memory::to_iso(*cell.last_shoe_ms))
                                                       : control::Json{}}});
       continue;
     }
-    std::printf("%-20s %-8s %-24s %8lld %8lld %8lld %8lld %8lld %8lld\n", cell.cell.c_str(),
+    std::printf("%-20s %-8s %-24s %8lld %8lld %8lld %8lld %8lld %8lld %8lld\n", cell.cell.c_str(),
                 cell.online ? "online" : "away", memory::to_iso(cell.heard_ms).c_str(),
                 static_cast<long long>(cell.waiting), static_cast<long long>(cell.shoes),
                 static_cast<long long>(cell.ok), static_cast<long long>(cell.amber),
-                static_cast<long long>(cell.refused), static_cast<long long>(cell.failed));
+                static_cast<long long>(cell.review), static_cast<long long>(cell.refused),
+                static_cast<long long>(cell.failed));
   }
   if (as_json)
     std::printf("%s\n", control::Json{{"schema_version", 1}, {"cells", std::move(json)}}.dump(2).c_str());

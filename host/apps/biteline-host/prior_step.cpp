@@ -82,7 +82,7 @@ Result<int> take_nearest(const fs::path& folder, const cloud::PointCloud& cloud,
 
 Result<LineStep> heed_mended_model(const fs::path& folder, LineStep found, const cloud::PointCloud& cloud,
                                    const MendedModel& model) {
-  if (!found.line || !mend::is_mended(model.sample.line)) return found;
+  if (!found.line || found.status != ExitStatus::Done || !mend::is_mended(model.sample.line)) return found;
   // Before the report gets what follows, and the line perhaps another version.
   BITELINE_TRY(found.pages.write(cloud));
   const Result<transfer::Alignment> alignment =

@@ -41,8 +41,8 @@ memory::UnixMs time_of(const fs::path& file) {
   return memory::UnixMs{status.st_mtim.tv_sec} * 1000 + status.st_mtim.tv_nsec / 1'000'000;
 }
 
-void take_refusal(const Json& report, memory::Scan& scan) {
-  scan.verdict = "refused";
+void take_refusal(const Json& report, memory::Scan& scan, const char* verdict = "refused") {
+  scan.verdict = verdict;
   scan.reason_code = text_of(report, "reason_code");
   scan.reason = text_of(report, "reason");
   scan.next_step = text_of(report, "next_step");
@@ -92,7 +92,11 @@ std::optional<memory::Scan> row_of(const fs::path& folder) {
     scan.line_version = static_cast<int>(*version);
   if (const auto weak = report.find("weak_stretches"); weak != report.end() && weak->is_array())
     scan.weak_stretches = static_cast<int>(weak->size());
-  if (text_of(report, "status") == "ok") {
+  if (text_of(report, "status") == "review") {
+    // Nothing is planned along it, and that has no other reason.
+    take_refusal(report, scan, "review");
+    take_line(folder / "line.csv", scan);
+  } else if (text_of(report, "status") == "ok") {
     const auto check = report.find("calibration_check");
     const bool drifted =
         check != report.end() && check->is_object() && text_of(*check, "status") == "drifted";

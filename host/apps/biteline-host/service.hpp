@@ -177,6 +177,11 @@ class Service {
   void check_own_calibration(Scan& scan, const intake::ScanOutcome& outcome);
   /// The same with the library: whose line it is, and the process of that model.
   [[nodiscard]] Result<LineStep> use_library(Scan& scan, const intake::ScanOutcome& outcome, LineStep found);
+  /// A line for review whose model is known: the model's own line, carried over, or the line for review where
+  /// that is refused.
+  [[nodiscard]] Result<LineStep> carry_or_review(const std::filesystem::path& folder, Carrier carrier,
+                                                 const intake::ScanOutcome& outcome, const Chosen& chosen,
+                                                 LineStep found) const;
   [[nodiscard]] const TakenProcess& taken_of(const Chosen& chosen) const;
   [[nodiscard]] const path::Process& process_of(const Chosen& chosen) const {
     return taken_of(chosen).process;

@@ -92,7 +92,11 @@ Result<ExitStatus> Service::work_out_files(Scan& scan) {
     end_recording(scan.intake, *status);
     return status;
   }
-  status = without_exceptions([&] { return work_out_path(scan, outcome, line); });
+  const bool review = line.status == ExitStatus::Review;
+  status =
+      without_exceptions([&] { return work_out_path(scan, outcome, line, review && cockpit_->has_doors()); });
+  // No path is planned along it, and that is not why it ends.
+  if (status && review && !held_) status = ExitStatus::Review;
   const Result<ExitStatus> pages = without_exceptions([&]() -> Result<ExitStatus> {
     BITELINE_TRY(line.pages.write(outcome.cloud));
     return ExitStatus::Done;
@@ -220,6 +224,12 @@ Result<LineStep> Service::use_library(Scan& scan, const intake::ScanOutcome& out
   // A model that was asked for together with a process is a person's word for both.
   if (now.job.model.empty()) look_at_other_process(chosen);
   cockpit_->show_model(chosen.model, chosen.probability, {chosen.process_name, chosen.process_by});
+  if (found.line && found.status == ExitStatus::Review) {
+    return carry_or_review(
+        scan.folder,
+        {.name = chosen.model, .sample = transfer::ReadySample{std::move(sample)}, .options = {}}, outcome,
+        chosen, std::move(found));
+  }
   if (found.line) {
     BITELINE_ASSIGN(
         found, heed_mended_model(
@@ -233,6 +243,15 @@ Result<LineStep> Service::use_library(Scan& scan, const intake::ScanOutcome& out
   return carry_line(scan.folder,
                     {.name = chosen.model, .sample = transfer::ReadySample{std::move(sample)}, .options = {}},
                     outcome, known_before(), hash_of(chosen.release));
+}
+
+Result<LineStep> Service::carry_or_review(const fs::path& folder, Carrier carrier,
+                                          const intake::ScanOutcome& outcome, const Chosen& chosen,
+                                          LineStep found) const {
+  carrier.or_leave = true;
+  BITELINE_ASSIGN(LineStep carried,
+                  carry_line(folder, carrier, outcome, known_before(), hash_of(chosen.release)));
+  return carried.line ? std::move(carried) : std::move(found);
 }
 
 Result<void> Service::choose_process(Chosen& chosen) const {
@@ -311,7 +330,8 @@ Result<ExitStatus> Service::work_out_path(Scan& scan, const intake::ScanOutcome&
   const bool asks = needs_a_person(process_of(scan.chosen).gate, line.confidence) || hold || drift_stops;
   const bool waits_for_person = wanted && asks && !facts.confirmed && cockpit_->has_doors();
   if (waits_for_person || (held && robot_->options.send)) {
-    say_step("%s is held: a person must accept it%s%s", name.c_str(),
+    say_step("%s is held: a person must %s%s%s", name.c_str(),
+             line.status == ExitStatus::Review ? "settle its line" : "accept it",
              scan.chosen.other_process.empty() ? "" : ": ", scan.chosen.other_process.c_str());
     held_.emplace(Held{.folder = scan.folder,
                        .intake = std::move(scan.intake),
@@ -371,6 +391,7 @@ Result<ExitStatus> Service::plan_anew(Held& held) {
   BITELINE_TRY(look_at_files(held));
   const std::optional<memory::Scan> row = row_of(held.folder);
   if (!row || row->verdict == "refused") return ExitStatus::Refused;
+  if (row->verdict == "review") return ExitStatus::Review;
   held.request.confidence = row->confidence.value_or(0);
   BITELINE_ASSIGN(cloud::ClosedLine line, cloud::read_line(held.folder / "line.csv"));
   BITELINE_ASSIGN(held.plan.request.mounted, mounted());
@@ -424,11 +445,17 @@ Result<ExitStatus> Service::work_named(Unnamed unnamed, const std::string& model
       // The report is a new one.
       scan.calibration_checked = false;
       check_own_calibration(scan, unnamed.outcome);
+    } else if (line.status == ExitStatus::Review) {
+      const Carrier carrier{
+          .name = model, .sample = transfer::ReadySample{std::move(*sample)}, .options = {}};
+      BITELINE_ASSIGN(line, carry_or_review(folder, carrier, unnamed.outcome, chosen, std::move(line)));
+      BITELINE_TRY(line.pages.write(unnamed.outcome.cloud));
     } else {
       BITELINE_ASSIGN(line, heed_mended_model(folder, std::move(line), unnamed.outcome.cloud,
                                               {.name = model, .sample = *sample}));
     }
-    if (line.line && robot_) return work_out_path(scan, unnamed.outcome, line);
+    if (line.line && robot_)
+      return work_out_path(scan, unnamed.outcome, line, line.status == ExitStatus::Review);
     end_recording(scan.intake, line.status);
     return line.status;
   });

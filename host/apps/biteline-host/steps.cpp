@@ -255,7 +255,7 @@ Result<LineStep> find_line(const fs::path& folder, const intake::ScanOutcome& sc
   BITELINE_ASSIGN(const ExitStatus status, results::write_line_files(folder, scan.cloud, extraction, report));
   say_step("%s", results::summary(extraction).c_str());
   LineStep step{.status = status, .confidence = extraction.confidence, .line = {}, .arm = extraction.arm};
-  if (status == ExitStatus::Done) step.line = extraction.line;
+  if (status != ExitStatus::Refused) step.line = extraction.line;
   step.too_little_seen = extraction.scan_cause.has_value();
   step.pages = LatePages{[folder, extraction = std::move(extraction),
                           stages = results::stages_of(std::move(outcome.workings)),
@@ -278,7 +278,7 @@ Result<void> refuse_unknown(const fs::path& folder, const std::string& words, co
 Result<LineStep> carry_line(const fs::path& folder, const Carrier& carrier, const intake::ScanOutcome& scan,
                             const KnownBefore& known, const std::string& release) {
   report::Report report;
-  BITELINE_TRY(results::prepare_result_folder(folder));
+  if (!carrier.or_leave) BITELINE_TRY(results::prepare_result_folder(folder));
   fill_scan(scan, release, report);
   report.fields["sample"] = carrier.name;
   if (scan.failure) return keep_unfinished(folder, scan, report);
@@ -289,6 +289,10 @@ Result<LineStep> carry_line(const fs::path& folder, const Carrier& carrier, cons
     options.upper_scan = intake::whole_scan_of(scan, known.head, known.arm);
     return transfer::transfer_line(carrier.sample, scan.cloud, options);
   });
+  if (carrier.or_leave && !transfer.found) {
+    say_step("the line of %s has no say: %s", carrier.name.c_str(), transfer.reason().c_str());
+    return LineStep{};
+  }
   intake::name_scan_cause(transfer, scan.counts, scan.sensor_counters, &scan.sensor_devices);
   BITELINE_TRY(report.timed("write", [&] { return cloud::write_cloud(folder / "cloud.ply", scan.cloud); }));
   BITELINE_ASSIGN(const ExitStatus status,

@@ -29,7 +29,7 @@ namespace biteline::service {
 struct LineStep {
   ExitStatus status{ExitStatus::Refused};
   double confidence{0};
-  std::optional<cloud::ClosedLine> line;  ///< when one was found
+  std::optional<cloud::ClosedLine> line;  ///< when one was found, or is for review (`status`)
   std::optional<uncertainty::ArmMotion> arm{};
   LatePages pages{};            ///< before anybody else changes report.json
   bool too_little_seen{false};  ///< the scan itself is why: no model could be told in it either
@@ -57,6 +57,7 @@ struct Carrier {
   std::string name;
   transfer::ReadySample sample;
   transfer::TransferOptions options;
+  bool or_leave{false};  ///< where it is refused, what stands in the folder stays
 };
 
 /// The same of an upper without a sole: its line is the sample's, carried over.

@@ -52,7 +52,8 @@ Result<ExitStatus> extract(const ExtractOptions& options, const GlobalOptions& g
     return refuse(options, std::move(told), file, report, global);
   }
   const FoundLine found = report.timed("extract", [&] { return find_line(file.cloud, options.method); });
-  if (found.extraction.refusal && may_lie_otherwise(found.extraction.refusal->code)) {
+  if (found.extraction.verdict() == bite_line::Verdict::Refused &&
+      may_lie_otherwise(found.extraction.refusal->code)) {
     if (auto told = report.timed("other_reading", other))
       return refuse(options, std::move(*told), file, report, global);
   }

@@ -151,7 +151,7 @@ void add_history(options::Command& app, Context& context) {
   command->add_option("--to", options->to, "Before this day or time, likewise");
   command->add_option("--model", options->model, "Of this model");
   command->add_option("--verdict", options->verdict, "Of this verdict")
-      ->check(options::one_of({"working", "ok", "amber", "refused", "failed"}));
+      ->check(options::one_of({"working", "ok", "amber", "review", "refused", "failed"}));
   command->add_option("--limit", options->limit, "Newest so many")
       ->check(options::whole_number(1, memory::k_most_scans))
       ->capture_default_str();

@@ -120,7 +120,7 @@ ExitStatus tell(report::Report& report, const GlobalOptions& global, const std::
   } else if (!words.empty() && !global.quiet) {
     std::fprintf(report.refused() ? stderr : stdout, "%s\n", words.c_str());
   }
-  return report.refused() ? ExitStatus::Refused : ExitStatus::Done;
+  return report.status();
 }
 
 }  // namespace biteline::app

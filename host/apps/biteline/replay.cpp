@@ -149,8 +149,9 @@ Result<ExitStatus> replay(ReplayOptions options, const GlobalOptions& global) {
   intake::name_scan_cause(found.extraction, run.counts, run.sensor_counters);
   // What was cut is judged only where it shows a line all the same.
   if (!found.extraction.found && !found.extraction.scan_cause && scan.lacks)
-    found.extraction.scan_cause = report::told(intake::Refusal{
-        .code = intake::Refused::ScanNotComplete, .reason = "the scan is not complete: " + *scan.lacks});
+    intake::tell_scan_cause(found.extraction, report::told(intake::Refusal{
+                                                  .code = intake::Refused::ScanNotComplete,
+                                                  .reason = "the scan is not complete: " + *scan.lacks}));
 
   report.fields["picture_check"] = consistency::as_json(pictures);
   report.fields["input"] = input_name;

@@ -68,7 +68,7 @@ AlongGuide find_along_guide(const ScanPoints& scan, const Side& side, const Guid
   doubt_guide(guide, *levelled, level.field.grid, turn_mm, layers);
   doubt_apart(*levelled, level.field.grid, layers);
   found.decision = decide(layers, plan_shape(side_reach(side)), seam, config.min_confidence_ratio);
-  if (!found.decision.refusal) {
+  if (!found.decision.refusal || found.decision.for_review) {
     OrRefusal<PlacedLine> placed = place_along(scan, side,
                                                {.levelled = *levelled,
                                                 .grid = level.field.grid,
@@ -79,6 +79,7 @@ AlongGuide find_along_guide(const ScanPoints& scan, const Side& side, const Guid
       found.placed = std::move(*placed);
     } else {
       found.decision.refusal = placed.error();
+      found.decision.for_review = false;
     }
   }
   for (JudgedPath& path : found.decision.paths) path.row = levelled->back(level.field, path.row);

@@ -17,7 +17,7 @@ namespace biteline::bite_line {
 /// On the side itself.
 struct AlongGuide {
   Decision decision;
-  PlacedLine placed;  ///< empty when the decision is a refusal
+  PlacedLine placed;  ///< empty when the decision is a refusal and not for review
 };
 
 /// Layers, decision and place as without a guide, but on the side levelled along it.  What a shoe's outline

@@ -24,6 +24,7 @@ struct Gate {
   double limit;
   double softness;
   Sentence reason;
+  bool soft{false};  ///< a no asks for a person
 
   [[nodiscard]] double sure() const { return geometry::logistic((value - limit) / softness); }
 };
@@ -48,8 +49,10 @@ constexpr double k_least_upper_share = 0.8;
 constexpr double k_least_sole_share = 0.5;
 // A lid overhangs what is below it, by a millimetre and more.
 constexpr double k_least_step_mm = -0.6;
-// A line with more than a tenth of its length on a layer that may be another's is no line.
+// A line with more than a tenth of its length on a layer that may be another's is a person's to look at.
 constexpr double k_most_rivalled_share = 0.1;
+// A crease that shows over most of the way round is a line whose gaps a person settles.
+constexpr double k_most_of_it = 0.5;
 
 /// The crease lies between two surfaces, sole and upper, and is not sewn or cut into one.  One wall is
 /// convex: its flanks turn by -5 to -9 degrees against each other and meet within 0.1 mm.  A flush sole's
@@ -134,6 +137,7 @@ auto own_gates(const Crease& line, const PlanShape& plan) {
       percent(line.visible_share), line.longest_gap_mm, line.median_turn_rad / k_deg);
   // Where hardly a crease is there at all, the path may lie wherever nothing was seen.
   const bool worth_seeing = line.visible_share > 0.7 * line.seen_share && line.visible_share > 0.3;
+  const bool mostly = line.visible_share > k_most_of_it;
   return std::array{
       Gate{Refused::NotAShoe, -distance_to_shoes(plan, shoes), -shoes.limit, shoes.softness,
            Sentence::format(
@@ -151,8 +155,8 @@ auto own_gates(const Crease& line, const PlanShape& plan) {
            Sentence::format(
                "too much is missing: the surface was seen on %.0f %% of the best path round the shoe",
                percent(line.seen_share))},
-      Gate{Refused::NoCreaseAllRound, line.visible_share, k_least_visible_share, 0.035, all_round},
-      Gate{Refused::NoCreaseAllRound, -line.longest_gap_mm, -k_longest_gap_mm, 8.0, all_round},
+      Gate{Refused::NoCreaseAllRound, line.visible_share, k_least_visible_share, 0.035, all_round, mostly},
+      Gate{Refused::NoCreaseAllRound, -line.longest_gap_mm, -k_longest_gap_mm, 8.0, all_round, mostly},
       Gate{Refused::NoCreaseAllRound, line.median_turn_rad / k_deg, k_least_turn_deg, 0.8, all_round},
       Gate{Refused::NoUpper, line.upper_share, k_least_upper_share, 0.03,
            Sentence::format(
@@ -178,6 +182,21 @@ auto own_gates(const Crease& line, const PlanShape& plan) {
   };
 }
 
+/// Of a crease that shows over most of its length.
+bool is_gap(const Gate& gate) {
+  return gate.code == Refused::NoCreaseAllRound && gate.soft;
+}
+
+/// Every gate says yes, and all of them together hardly.
+Refusal not_sure(double confidence, double least, const Gate& worst) {
+  return {.code = Refused::NotSure,
+          .reason = FixedText<240>::format(
+                        "no gate says no, and together they leave a confidence of %.2f (at least %.2f); the "
+                        "least sure of them is %s, with %.2f",
+                        confidence, least, report::refusal_row(worst.code).name, worst.sure())
+                        .c_str()};
+}
+
 bool all_pass(std::span<const Gate> gates) {
   return std::ranges::all_of(gates, [](const Gate& gate) { return gate.sure() >= 0.5; });
 }
@@ -196,8 +215,9 @@ Decision decide(const Layers& layers, const PlanShape& plan, const std::optional
            Sentence::format(
                "no bite line: the crease at a mean height of %.1f mm belongs to the sole, whose edge "
                "shows above it but less plainly",
-               line.mean_height_mm)},
-      Gate{Refused::Rivalled, -rivalled, -k_most_rivalled_share, 0.01, rivalled_text(layers, rivalled)},
+               line.mean_height_mm),
+           true},
+      Gate{Refused::Rivalled, -rivalled, -k_most_rivalled_share, 0.01, rivalled_text(layers, rivalled), true},
   };
   std::vector<Gate> gates{own.begin(), own.end()};
   gates.insert(gates.end(), beside_others.begin(), beside_others.end());
@@ -208,19 +228,27 @@ Decision decide(const Layers& layers, const PlanShape& plan, const std::optional
   const Gate* no = nullptr;
   for (const Gate& gate : gates) {
     const double sure = gate.sure();
-    // How much is rivalled is counted column by column below.
-    if (&gate != &gates.back()) decision.of_line *= sure;
+    const bool says_no = !(sure >= 0.5);
+    // How much is rivalled is counted column by column below, and a gap of a crease that shows elsewhere
+    // where it is bridged.
+    const bool counted_elsewhere = &gate == &gates.back() || (says_no && is_gap(gate));
+    if (!counted_elsewhere) decision.of_line *= sure;
     if (sure < worst->sure()) worst = &gate;
-    if (no == nullptr && !(sure >= 0.5)) no = &gate;
+    if (says_no && (no == nullptr || (no->soft && !gate.soft))) no = &gate;
   }
   double held = 0;
   for (const float hold : layers.hold)
     held += static_cast<double>(hold) / static_cast<double>(layers.hold.size());
   decision.confidence = decision.of_line * held;
-  if (no == nullptr && !(decision.confidence >= min_confidence)) no = worst;
+  const double most = 0.99 * min_confidence;
   if (no != nullptr) {
     decision.refusal = Refusal{.code = no->code, .reason = no->reason.c_str()};
-    decision.confidence = std::min({decision.confidence, no->sure(), 0.99 * min_confidence});
+    decision.for_review = no->soft;
+    decision.confidence = std::min({decision.confidence, no->soft ? 1.0 : no->sure(), most});
+  } else if (!(decision.confidence >= min_confidence)) {
+    decision.refusal = not_sure(decision.confidence, min_confidence, *worst);
+    decision.for_review = true;
+    decision.confidence = std::min(decision.confidence, most);
   }
   decision.paths.push_back(judged(line, all_pass(own), decision.confidence));
   for (const Rival& rival : layers.rivals)

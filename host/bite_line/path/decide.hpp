@@ -24,7 +24,10 @@ struct JudgedPath {
 };
 
 struct Decision {
-  std::optional<Refusal> refusal;  ///< why none is the bite line
+  std::optional<Refusal> refusal;  ///< why none is the bite line, or why a person must look first
+  /// With a refusal: every gate that looks at the best path alone says yes.  So there is a line to show, and
+  /// what speaks against it is what else it could be.
+  bool for_review{false};
   double confidence{0};  ///< that the best path is the line, times the share of its length that holds
   double of_line{0};     ///< that it is the line wherever it keeps its layer
   std::vector<JudgedPath> paths;  ///< the best, then what else the line could be, the nearest first
@@ -35,7 +38,8 @@ struct Decision {
 ///
 /// `seam`: how far the scan's end lies from its begin, where it shows both.
 ///
-/// One table of gates.  Their product is the confidence, and the first that says no is the reason.
+/// One table of gates.  Their product is the confidence, and the first that says no is the reason.  A gate is
+/// hard, and then there is no line; or soft, and then a person decides.
 [[nodiscard]] Decision decide(const Layers& layers, const PlanShape& plan,
                               const std::optional<SeamStep>& seam, double min_confidence);
 

@@ -19,7 +19,7 @@ namespace biteline::bite_line {
 
 namespace {
 
-/// Why a line with so much flagged is none; nothing where it is one.
+/// Why a line with so much flagged is a person's to look at; nothing where it is not.
 std::optional<Refusal> flagged_refusal(const cloud::Flagged& flagged, const PlacedLine& placed) {
   if (!flagged.too_much()) return std::nullopt;
   using Text = FixedText<240>;
@@ -44,6 +44,17 @@ std::optional<Refusal> flagged_refusal(const cloud::Flagged& flagged, const Plac
                    100 * flagged.all(), 100 * cloud::k_most_flagged_share, placed.bridged_mm,
                    in_front.c_str())
           .c_str()};
+}
+
+/// What a person must settle: what the points say already, else what was bridged, else all of it.
+void flag_for_review(const Refusal& why, cloud::ClosedLine& line) {
+  const auto flag = [&](bool all) {
+    for (cloud::LinePoint& point : line.points) {
+      if (all || point.source == cloud::PointSource::Bridged) point.flags |= cloud::k_line_unsure;
+    }
+  };
+  if (why.code == Refused::TooMuchBridged || why.code == Refused::NoCreaseAllRound) flag(false);
+  if (!cloud::flagged_of(line).too_much()) flag(true);
 }
 
 Candidate candidate_of(const JudgedPath& path, const Side& side) {
@@ -135,33 +146,33 @@ Extraction finish(const Side& side, const Decision& decision, const PlacedLine& 
   tbb::parallel_for(std::size_t{0}, decision.paths.size(),
                     [&](std::size_t i) { out.candidates[i] = candidate_of(decision.paths[i], side); });
   out.refusal = decision.refusal;
-  if (out.refusal) return out;
+  if (out.refusal && !decision.for_review) return out;
   const double bridged_share = placed.bridged_mm / std::max(placed.length_mm, 1.0);
   out.confidence = decision.confidence * (1 - bridged_share);
   out.length_mm = placed.length_mm;
   out.bridged_mm = placed.bridged_mm;
-  if (!(out.confidence >= config.min_confidence_ratio)) {
+  if (!out.refusal && !(out.confidence >= config.min_confidence_ratio)) {
     out.refusal = Refusal{Refused::TooMuchBridged,
                           FixedText<200>::format("too much was not seen: %.0f of %.0f mm are bridged, which "
                                                  "leaves a confidence of %.2f (at least %.2f)",
                                                  placed.bridged_mm, placed.length_mm, out.confidence,
                                                  config.min_confidence_ratio)
                               .c_str()};
-    return out;
   }
-  out.line = even_line(placed, side.shoe.T_base_shoe, line_held_of(decision.of_line), whole,
-                       config.point_spacing_mm);
+  // What is left of the doubt in a written line is known of those that no gate says no to.
+  const double of_line = decision.of_line < 0.5 ? decision.of_line : line_held_of(decision.of_line);
+  out.line = even_line(placed, side.shoe.T_base_shoe, of_line, whole, config.point_spacing_mm);
   out.head_in_u95 = whole.head.has_value();
   out.arm = whole.arm;
   const cloud::Flagged flagged = cloud::flagged_of(out.line, config.min_confidence_ratio);
   out.confidence = std::min(out.confidence, 1 - flagged.all());
-  out.refusal = flagged_refusal(flagged, placed);
-  if (out.refusal) {
-    out.line = {};
-    out.confidence = std::min(out.confidence, 0.99 * config.min_confidence_ratio);
+  if (!out.refusal) out.refusal = flagged_refusal(flagged, placed);
+  if (!out.refusal) {
+    out.found = true;
     return out;
   }
-  out.found = true;
+  out.confidence = std::min(out.confidence, 0.99 * config.min_confidence_ratio);
+  flag_for_review(*out.refusal, out.line);
   return out;
 }
 

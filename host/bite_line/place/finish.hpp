@@ -13,8 +13,9 @@
 
 namespace biteline::bite_line {
 
-/// `placed` is empty when the decision is a refusal.  What was bridged was not seen to be the bite line: it
-/// lowers the confidence, and a line that is then below the limit is refused.
+/// `placed` is empty when the decision is a refusal that is not for review.  What was bridged was not seen to
+/// be the bite line: it lowers the confidence, and a line that is then below the limit is for review, as is
+/// one of which too much is flagged.  Of a line for review more than that is flagged in any case.
 [[nodiscard]] Extraction finish(const Side& side, const Decision& decision, const PlacedLine& placed,
                                 const Config& config, const uncertainty::WholeScan& whole = {});
 

@@ -97,6 +97,8 @@ Answer Api::read_scan(const Call& call) {
                    {"place", weak.value("place", "")}};
       if (weak.contains("least_confidence")) stretch["confidence"] = weak["least_confidence"];
       if (weak.contains("u95_mm") && weak["u95_mm"].is_number()) stretch["u95_mm"] = weak["u95_mm"];
+      if (weak.contains("reason_code")) stretch["why"] = weak["reason_code"];
+      if (weak.contains("alternatives")) stretch["alternatives"] = weak["alternatives"];
       stretches.push_back(std::move(stretch));
     }
   }

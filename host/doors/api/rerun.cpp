@@ -41,9 +41,11 @@ Json rerun_json(const fs::path& scan, int number, bool open) {
   json["state"] = "done";
   // A line whose path is refused is refused for the path's reason.
   const Json plan = read_json(folder / "path/report.json");
-  const bool line = report["status"] == "ok";
-  const Json& telling = line && field(plan, "status") == "refused" ? plan : report;
-  json["verdict"] = field(telling, "status") == "ok" ? "ok" : "refused";
+  const bool ok_line = report["status"] == "ok";
+  const bool line = ok_line || report["status"] == "review";
+  const Json& telling = ok_line && field(plan, "status") == "refused" ? plan : report;
+  const Json status = field(telling, "status");
+  json["verdict"] = status == "ok" || status == "review" ? status : Json("refused");
   for (const char* name : {"reason_code", "reason", "next_step"}) json[name] = field(telling, name);
   for (const char* name : {"length_mm", "confidence"}) json[name] = field(report, name);
   json["process"] = field(report, "process");

@@ -158,9 +158,9 @@ QueryFilter filter_of(const std::map<std::string, std::string>& query, const mem
     } else if (name == "model") {
       out.filter.model = value;
     } else if (name == "verdict") {
-      constexpr std::array k_verdicts{"working", "ok", "amber", "refused", "failed"};
+      constexpr std::array k_verdicts{"working", "ok", "amber", "review", "refused", "failed"};
       if (std::ranges::find(k_verdicts, value) == k_verdicts.end())
-        fault(name, "working, ok, amber, refused or failed");
+        fault(name, "working, ok, amber, review, refused or failed");
       out.filter.verdict = value;
     } else if (name == "reason_code") {
       out.filter.reason_code = value;

@@ -12,6 +12,7 @@ constexpr int k_most_request = 65535;
 Verdict verdict_of(const std::string& word) {
   if (word == "ok") return Verdict::Ok;
   if (word == "amber") return Verdict::Amber;
+  if (word == "review") return Verdict::Review;
   if (word == "refused") return Verdict::Refused;
   return Verdict::Failed;
 }
@@ -102,6 +103,9 @@ void Cycle::finish(Verdict verdict) {
       return;
     case Verdict::Amber:
       ++counts.amber;
+      return;
+    case Verdict::Review:
+      ++counts.review;
       return;
     case Verdict::Refused:
       ++counts.refused;

@@ -16,7 +16,7 @@ namespace biteline::line_control {
 /// What a scan came to, as the memory keeps it.
 struct Ended {
   std::string scan;     ///< scan-0007
-  std::string verdict;  ///< ok, amber, refused; all else is failed
+  std::string verdict;  ///< ok, amber, review, refused; all else is failed
   std::string model;
   bool sent{false}, followed{false};
   std::optional<double> length_mm{}, u95_mm{}, confidence{};

@@ -32,7 +32,8 @@ constexpr std::array<ValueRow, k_values> k_rows{{
     {"done", "1: the last scan has its verdict; 0 from the next start on"},
     {"taken", "request number of the last start that was taken"},
     {"finished", "request number of the start whose scan is done"},
-    {"verdict", "0 none, 1 ok, 2 ok with weak stretches, 3 refused, 4 failed"},
+    {"verdict",
+     "0 none, 1 ok, 2 ok with weak stretches, 3 refused, 4 failed, 5 a person must settle the line"},
     {"job", "the job that is chosen; 0: none"},
     {"model", "the job whose model the scan was worked with; 0: no job has it"},
     {"sent", "1: a path was sent to the arm"},
@@ -47,6 +48,7 @@ constexpr std::array<ValueRow, k_values> k_rows{{
     {"length_mm", "length of the line [mm]"},
     {"u95_um", "the line's largest U95 [0.001 mm]; 65535: above, or not known"},
     {"confidence", "of the line, in thousandths"},
+    {"review", "lines that a person must settle; since the service began"},
 }};
 
 /// A whole number from `least` to `most`, else nothing.
@@ -102,7 +104,8 @@ Json to_json(const LineState& state) {
           {"ok", state.counts.ok},
           {"amber", state.counts.amber},
           {"refused", state.counts.refused},
-          {"failed", state.counts.failed}};
+          {"failed", state.counts.failed},
+          {"review", state.counts.review}};
 }
 
 std::optional<LineState> line_state_of(const Json& json) {
@@ -128,7 +131,7 @@ std::optional<LineState> line_state_of(const Json& json) {
   state.job = static_cast<int>(number("job", k_request));
   state.taken = static_cast<int>(number("taken", k_request));
   state.finished = static_cast<int>(number("finished", k_request));
-  state.verdict = static_cast<Verdict>(number("verdict", 4));
+  state.verdict = static_cast<Verdict>(number("verdict", 5));
   state.model = static_cast<int>(number("model", k_request));
   state.sent = truth("sent");
   state.followed = truth("followed");
@@ -139,7 +142,7 @@ std::optional<LineState> line_state_of(const Json& json) {
   for (const auto& [key, count] :
        {std::pair{"starts", &state.counts.starts}, std::pair{"ok", &state.counts.ok},
         std::pair{"amber", &state.counts.amber}, std::pair{"refused", &state.counts.refused},
-        std::pair{"failed", &state.counts.failed}}) {
+        std::pair{"failed", &state.counts.failed}, std::pair{"review", &state.counts.review}}) {
     *count = static_cast<std::uint32_t>(number(key, k_count));
   }
   if (!sound) return std::nullopt;
@@ -175,7 +178,8 @@ std::array<std::uint16_t, k_values> values_of(const LineState& state, std::uint1
           wrapped(state.counts.failed),
           scaled(state.length_mm, 1, 0),
           scaled(state.u95_mm, 1000, 65535),
-          scaled(state.confidence, 1000, 0)};
+          scaled(state.confidence, 1000, 0),
+          wrapped(state.counts.review)};
 }
 
 }  // namespace biteline::line_control

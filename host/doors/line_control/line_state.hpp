@@ -27,7 +27,7 @@ enum class Step {
 };
 
 /// Of the last scan that is done.
-enum class Verdict { None = 0, Ok = 1, Amber = 2, Refused = 3, Failed = 4 };
+enum class Verdict { None = 0, Ok = 1, Amber = 2, Refused = 3, Failed = 4, Review = 5 };
 
 /// Why a command was not taken.
 enum class Refusal {
@@ -49,7 +49,7 @@ enum class Refusal {
 
 /// Since the service began; they wrap at 65536.
 struct Counts {
-  std::uint32_t starts{0}, ok{0}, amber{0}, refused{0}, failed{0};
+  std::uint32_t starts{0}, ok{0}, amber{0}, refused{0}, failed{0}, review{0};
 };
 
 struct LineState {
@@ -72,7 +72,7 @@ struct LineState {
 [[nodiscard]] std::optional<LineState> line_state_of(const control::Json& json);
 
 /// Input register i of Modbus, value i of the text protocol.
-inline constexpr std::size_t k_values = 23;
+inline constexpr std::size_t k_values = 24;
 inline constexpr int k_map_version = 1;
 struct ValueRow {
   const char* name;

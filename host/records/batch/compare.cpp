@@ -45,13 +45,15 @@ Judgement judged(const std::optional<bool>& better) {
   return better.value_or(false) ? Judgement::Better : Judgement::Worse;
 }
 
-/// ok, refused or unreadable above any end without an answer.
+/// ok above review above refused and unreadable, and those above any end without an answer.
 Judgement judge_verdicts(const Outcome& before, const Outcome& after) {
   if (!is_answer(after.verdict)) return is_answer(before.verdict) ? Judgement::Worse : Judgement::Same;
   if (!is_answer(before.verdict)) return is_wrong(after) ? Judgement::Worse : Judgement::Better;
   if (after.verdict == "ok") return judged(truth_says_better(before, after));
-  // A wrong line that is refused now is what a refusal is for.
-  if (before.verdict == "ok") return is_wrong(before) ? Judgement::Better : Judgement::Worse;
+  if (after.verdict == "review" && before.verdict != "ok")
+    return is_wrong(after) ? Judgement::Worse : Judgement::Better;
+  // A wrong line that is refused or a person's now is what these are for.
+  if (has_line(before.verdict)) return is_wrong(before) ? Judgement::Better : Judgement::Worse;
   return Judgement::Worse;  // refused became unreadable, or the other way: nobody meant that
 }
 
@@ -102,7 +104,7 @@ Result<std::optional<Difference>> compare_rows(const ResultSet& before, std::siz
   if (was.outcome.verdict != is.outcome.verdict)
     return difference(judge_verdicts(was.outcome, is.outcome),
                       told(was.outcome) + " became " + told(is.outcome));
-  if (is.outcome.verdict == "ok") {
+  if (has_line(is.outcome.verdict)) {
     if (!was.outcome.line_hash.empty() && was.outcome.line_hash == is.outcome.line_hash)
       return std::optional<Difference>{};
     return compare_lines(before, old_row, after, new_row);

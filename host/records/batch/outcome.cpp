@@ -15,7 +15,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
-constexpr std::array k_verdicts{"ok",      "refused",   "unreadable",    "failed",
+constexpr std::array k_verdicts{"ok",      "review",    "refused",       "unreadable", "failed",
                                 "crashed", "timed_out", "out_of_memory", "changed"};
 
 constexpr std::array k_figures{FigureRow{"length_mm", &Outcome::length_mm},
@@ -39,8 +39,12 @@ std::span<const char* const> verdict_names() {
   return k_verdicts;
 }
 
+bool has_line(const std::string& verdict) {
+  return verdict == "ok" || verdict == "review";
+}
+
 bool is_answer(const std::string& verdict) {
-  return verdict == "ok" || verdict == "refused" || verdict == "unreadable";
+  return has_line(verdict) || verdict == "refused" || verdict == "unreadable";
 }
 
 std::span<const FigureRow> figure_table() {

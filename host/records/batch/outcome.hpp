@@ -14,10 +14,13 @@
 
 namespace biteline::batch {
 
-/// ok, refused; unreadable (exit status 2), failed (4), crashed, timed_out, out_of_memory; changed: since it
-/// was planned.
+/// ok, review, refused; unreadable (exit status 2), failed (4), crashed, timed_out, out_of_memory; changed:
+/// since it was planned.
 [[nodiscard]] std::span<const char* const> verdict_names();
-/// A sound answer about the recording: ok, refused or unreadable.  All others are the program's fault.
+/// ok or review.
+[[nodiscard]] bool has_line(const std::string& verdict);
+/// A sound answer about the recording: ok, review, refused or unreadable.  All others are the program's
+/// fault.
 [[nodiscard]] bool is_answer(const std::string& verdict);
 
 struct LinePlace {

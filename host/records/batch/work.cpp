@@ -167,6 +167,7 @@ Result<Worked> work_on(const Recording& recording, const BatchSettings& settings
   add(worked.cost, end);
   const bool answered =
       end.how == ProcessEnd::How::Exited && (end.status == static_cast<int>(ExitStatus::Done) ||
+                                             end.status == static_cast<int>(ExitStatus::Review) ||
                                              end.status == static_cast<int>(ExitStatus::Refused));
   if (!answered) {
     worked.outcome = without_result(end, "biteline", limits, scratch.path());
@@ -175,7 +176,7 @@ Result<Worked> work_on(const Recording& recording, const BatchSettings& settings
   Result<Outcome> outcome = read_report(out / "report.json");
   if (outcome) worked.outcome = std::move(*outcome);
   const Result<void> line = !outcome ? Result<void>{}
-                            : worked.outcome.verdict == "ok"
+                            : has_line(worked.outcome.verdict)
                                 ? take_line(worked, out / "line.csv", truth_of(recording.kind, path))
                                 : Result<void>{};
   if (!outcome || !line) {

@@ -122,6 +122,7 @@ nlohmann::ordered_json to_json(const Trends& trends) {
                                {"scans", trend.scans},
                                {"ok", trend.ok},
                                {"amber", trend.amber},
+                               {"review", trend.review},
                                {"refused", trend.refused},
                                {"failed", trend.failed},
                                {"cycle_s", or_null(trend.median_cycle_s)},

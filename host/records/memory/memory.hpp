@@ -32,7 +32,7 @@ struct Scan {
   UnixMs time{0};    ///< of its end
   std::string model;
   std::optional<double> model_probability{};
-  std::string verdict;                                        ///< working, ok, amber, refused, failed
+  std::string verdict;                                        ///< working, ok, amber, review, refused, failed
   std::string reason_code;                                    ///< of a refusal
   std::string reason;                                         ///< in words
   std::string next_step;                                      ///< what the person does next
@@ -104,7 +104,7 @@ struct Session {
 /// What came within one stretch of time.
 struct Trend {
   UnixMs begin{0};
-  std::int64_t scans{0}, ok{0}, amber{0}, refused{0}, failed{0};
+  std::int64_t scans{0}, ok{0}, amber{0}, review{0}, refused{0}, failed{0};
   std::optional<double> mean_length_mm{}, median_u95_mm{}, median_cycle_s{};
 };
 struct ReasonCount {

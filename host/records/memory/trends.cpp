@@ -30,6 +30,7 @@ struct Bucket {
     const std::string verdict = row.text(1);
     trend.ok += verdict == "ok" ? 1 : 0;
     trend.amber += verdict == "amber" ? 1 : 0;
+    trend.review += verdict == "review" ? 1 : 0;
     trend.refused += verdict == "refused" ? 1 : 0;
     trend.failed += verdict == "failed" ? 1 : 0;
     if (!row.is_null(2)) {

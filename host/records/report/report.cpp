@@ -25,6 +25,17 @@ void Report::add_stage(const std::string& stage, double seconds) {
 
 void Report::refuse(ToldRefusal refusal) {
   refusal_ = std::move(refusal);
+  for_review_ = false;
+}
+
+void Report::review(ToldRefusal why) {
+  refusal_ = std::move(why);
+  for_review_ = true;
+}
+
+ExitStatus Report::status() const {
+  if (!refusal_) return ExitStatus::Done;
+  return for_review_ ? ExitStatus::Review : ExitStatus::Refused;
 }
 
 void Report::refuse(const std::string& reason) {
@@ -39,7 +50,7 @@ std::string Report::text() {
   stop_clock();
   nlohmann::ordered_json all;
   all["schema_version"] = k_schema_version;
-  all["status"] = refusal_ ? "refused" : "ok";
+  all["status"] = !refusal_ ? "ok" : for_review_ ? "review" : "refused";
   if (refusal_) {
     if (!refusal_->reason_code.empty()) all["reason_code"] = refusal_->reason_code;
     all["reason"] = refusal_->reason;

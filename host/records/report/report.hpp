@@ -59,7 +59,15 @@ class Report {
   }
   /// A reason that has no code yet.
   void refuse(const std::string& reason);
-  [[nodiscard]] bool refused() const { return refusal_.has_value(); }
+  [[nodiscard]] bool refused() const { return status() == ExitStatus::Refused; }
+  /// There is a result, and a person must settle it before anything is done with it; `why` says what.
+  void review(ToldRefusal why);
+  template <class Code>
+  void review(const Refusal<Code>& why) {
+    review(told(why));
+  }
+  /// Done, Review or Refused: `status` says ok, review or refused.
+  [[nodiscard]] ExitStatus status() const;
 
   /// Stops total_s; call when the last result is written.  write() calls it otherwise.
   void stop_clock();
@@ -92,6 +100,7 @@ class Report {
   double total_s_{-1};
   nlohmann::ordered_json stages_;
   std::optional<ToldRefusal> refusal_;
+  bool for_review_{false};  ///< with it
 };
 
 /// Writes `text` to a file beside and renames it: a reader sees the old file or the new one, never half of

@@ -10,6 +10,7 @@
 #include "host/records/report/page.hpp"
 #include "host/records/results/line_uncertainty.hpp"
 #include "host/records/results/pictures/stages.hpp"
+#include "host/records/results/view/alternatives.hpp"
 #include "host/records/results/view/page_parts.hpp"
 #include "host/records/results/view/view_data.hpp"
 #include "host/records/results/view/weak_stretches.hpp"
@@ -34,9 +35,10 @@ nlohmann::ordered_json candidates_of(const bite_line::Extraction& extraction) {
 Result<void> write_page(const std::filesystem::path& folder, const bite_line::Extraction& extraction,
                         const std::vector<WeakStretch>& weak, const report::Report& report) {
   using report::Page;
-  const Page::Mood mood = !extraction.found ? Page::Mood::Refused
-                          : weak.empty()    ? Page::Mood::Good
-                                            : Page::Mood::Look;
+  const bool refused = extraction.verdict() == bite_line::Verdict::Refused;
+  const Page::Mood mood = refused                            ? Page::Mood::Refused
+                          : extraction.found && weak.empty() ? Page::Mood::Good
+                                                             : Page::Mood::Look;
   Page page{"Bite line", summary(extraction), mood};
   if (const auto told = extraction.told()) add_next_step(page, *told);
   add_weak_stretches(page, weak);
@@ -85,9 +87,12 @@ void fill_seam(const std::optional<bite_line::SeamStep>& seam, report::Report& r
 
 Result<ExitStatus> write_line_files(const std::filesystem::path& folder, const cloud::PointCloud& cloud,
                                     const bite_line::Extraction& extraction, report::Report& report) {
+  using enum bite_line::Verdict;
+  const bite_line::Verdict verdict = extraction.verdict();
   report.fields["points"] = cloud.size();
   fill_seam(extraction.seam, report);
-  if (extraction.found) {
+  if (verdict == Review) report.review(*extraction.told());
+  if (verdict != Refused) {
     report.fields["length_mm"] = extraction.length_mm;
     report.fields["closure_mm"] = extraction.closure_mm;
     report.fields["confidence"] = extraction.confidence;
@@ -103,8 +108,10 @@ Result<ExitStatus> write_line_files(const std::filesystem::path& folder, const c
   }
   report.fields["candidates"] = candidates_of(extraction);
   const std::vector<WeakStretch> weak = weak_stretches(extraction.line, extraction.T_base_shoe);
-  if (extraction.found) {
-    report.fields["weak_stretches"] = as_json(weak);
+  if (verdict != Refused) {
+    report.fields["weak_stretches"] = verdict == Review
+                                          ? as_open(weak, extraction.line, extraction.candidates)
+                                          : as_json(weak, cloud::length_mm(extraction.line));
     report.fields["u95"] = u95_json(
         extraction.line, parts_of_found_line({.head = extraction.head_in_u95, .arm = extraction.arm}));
   }
@@ -113,12 +120,12 @@ Result<ExitStatus> write_line_files(const std::filesystem::path& folder, const c
 
   BITELINE_TRY(report.timed("write", [&]() -> Result<void> {
     BITELINE_TRY(cloud::write_cloud(folder / "cloud.ply", cloud));
-    if (!extraction.found) return {};
+    if (verdict == Refused) return {};
     return cloud::write_line(folder / "line.csv", extraction.line);
   }));
   report.stop_clock();
   BITELINE_TRY(report.write(folder));
-  return extraction.found ? ExitStatus::Done : ExitStatus::Refused;
+  return report.status();
 }
 
 Result<void> write_report_again(const std::filesystem::path& folder, report::Report& report) {
@@ -142,7 +149,7 @@ Result<void> write_line_pages(const std::filesystem::path& folder, const cloud::
     BITELINE_TRY(results::write_stages(folder / "stages", shown, extraction));
     ViewData view{.title = "Bite line",
                   .summary = summary(extraction),
-                  .found = extraction.found,
+                  .found = extraction.verdict() != bite_line::Verdict::Refused,
                   .report = report.fields,
                   .cloud = &cloud,
                   .line = &extraction.line,
@@ -168,6 +175,12 @@ std::string summary(const bite_line::Extraction& extraction) {
   if (extraction.found) {
     std::snprintf(text, sizeof text, "bite line found: %.1f mm long, %zu points, confidence %.2f",
                   extraction.length_mm, extraction.line.points.size(), extraction.confidence);
+  } else if (extraction.verdict() == bite_line::Verdict::Review) {
+    double open_mm = 0;
+    for (const WeakStretch& stretch : weak_stretches(extraction.line, extraction.T_base_shoe))
+      open_mm += stretch.length_mm;
+    std::snprintf(text, sizeof text, "review: a line of %.1f mm, of which a person must settle %.1f mm: %s",
+                  extraction.length_mm, open_mm, extraction.reason().c_str());
   } else {
     std::snprintf(text, sizeof text, "refused: %s", extraction.reason().c_str());
   }

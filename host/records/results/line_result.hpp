@@ -32,7 +32,8 @@ template <class Workings>
   };
 }
 
-/// Writes cloud.ply, line.csv (unless refused) and report.json; fills the report's fields.  Done or Refused.
+/// Writes cloud.ply, line.csv (unless refused) and report.json; fills the report's fields.  Done, Review or
+/// Refused.
 [[nodiscard]] Result<ExitStatus> write_line_files(const std::filesystem::path& folder,
                                                   const cloud::PointCloud& cloud,
                                                   const bite_line::Extraction& extraction,

@@ -133,7 +133,7 @@ Result<void> write_result(const fs::path& scan, MendedScan& mended, const SE3& T
   report.fields["line_version"] = mended.version;
   report.fields["mended_mm"] = mended_share * length_mm;
   const std::vector<WeakStretch> weak = weak_stretches(mended.line, T_base_shoe);
-  report.fields["weak_stretches"] = as_json(weak);
+  report.fields["weak_stretches"] = as_json(weak, length_mm);
   // A hand's part is a bound, and poses and calibration are not weighed again.
   U95Parts parts = parts_of_found_line({});
   parts.holds.push_back("at least 0.5 mm where a hand put the line beside any crease");

@@ -140,7 +140,7 @@ Result<ExitStatus> write_transfer_files(const std::filesystem::path& folder, con
   const SE3& T_base_shoe = transfer.alignment.placement.T_target_source;
   const std::vector<WeakStretch> weak = weak_stretches(transfer.carried.line, T_base_shoe);
   if (transfer.found) {
-    report.fields["weak_stretches"] = as_json(weak);
+    report.fields["weak_stretches"] = as_json(weak, cloud::length_mm(transfer.carried.line));
     report.fields["u95"] = u95_json(
         transfer.carried.line,
         parts_of_carried_line({.head = transfer.head_u95, .arm = transfer.arm}, transfer.sample_u95));

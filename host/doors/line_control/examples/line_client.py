@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: MIT
 """line_client.py ADDRESS PORT JOB: one scan through biteline-web --text, with Python's own library.
 
-Prints the cell's state as JSON.  Exit status: 0 ok, 3 refused, 4 failed or not taken.
+Prints the cell's state as JSON.  Exit status: 0 ok, 3 refused, 4 failed or not taken, 5 a person
+must settle the line.
 """
 import json
 import socket
@@ -11,9 +12,9 @@ import time
 
 NAMES = (
     "map heartbeat step ready busy done taken finished verdict job model sent followed refusal scan starts ok amber refused "
-    "failed length_mm u95_um confidence"
+    "failed length_mm u95_um confidence review"
 ).split()
-VERDICTS = ("none", "ok", "amber", "refused", "failed")
+VERDICTS = ("none", "ok", "amber", "refused", "failed", "review")
 
 
 def main():
@@ -45,7 +46,7 @@ def main():
             time.sleep(0.1)
         now["verdict"] = VERDICTS[now["verdict"]]
         print(json.dumps(now))
-        return {"ok": 0, "amber": 0, "refused": 3}.get(now["verdict"], 4)
+        return {"ok": 0, "amber": 0, "refused": 3, "review": 5}.get(now["verdict"], 4)
 
 
 sys.exit(main())

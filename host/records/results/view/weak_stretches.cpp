@@ -104,22 +104,27 @@ std::vector<WeakStretch> weak_stretches(const cloud::ClosedLine& line, const SE3
   std::vector<WeakStretch> stretches;
   std::size_t last = 0;  // of the run that is being built, counted from `begin`
   std::size_t first = 0;
+  std::size_t bridged = 0;
   for (std::size_t k = 0; k < count; ++k) {
     const std::size_t i = (begin + k) % count;
     const cloud::LinePoint& point = line.points[i];
     if (!is_weak(point)) continue;
     if (stretches.empty() || k - last > gap) {
-      stretches.push_back({.from_mm = static_cast<double>(i) * spacing_mm});
+      stretches.push_back({.from_mm = static_cast<double>(i) * spacing_mm, .begin_base = point.position});
       first = k;
+      bridged = 0;
     }
     WeakStretch& stretch = stretches.back();
     last = k;
     stretch.length_mm = static_cast<double>(k - first + 1) * spacing_mm;
+    bridged += point.source == cloud::PointSource::Bridged ? 1 : 0;
+    stretch.bridged_share = static_cast<double>(bridged) / static_cast<double>(k - first + 1);
     stretch.least_confidence = std::min(stretch.least_confidence, point.confidence);
     stretch.u95_mm = std::max(stretch.u95_mm, u95_mm(point));
     stretch.u95_is_guessed = stretch.u95_is_guessed || !point.u95_mm;
     const std::size_t middle = (begin + (first + k) / 2) % count;
     stretch.middle_base = line.points[middle].position;
+    stretch.end_base = point.position;
     stretch.place = place_of(plan.points[middle], plan, inner);
   }
   std::sort(stretches.begin(), stretches.end(),
@@ -127,17 +132,20 @@ std::vector<WeakStretch> weak_stretches(const cloud::ClosedLine& line, const SE3
   return stretches;
 }
 
-nlohmann::ordered_json as_json(const std::vector<WeakStretch>& stretches) {
+nlohmann::ordered_json as_json(const std::vector<WeakStretch>& stretches, double line_length_mm) {
+  const auto xyz = [](const Vec3& p) { return nlohmann::ordered_json{p.x(), p.y(), p.z()}; };
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (const WeakStretch& stretch : stretches) {
-    list.push_back(
-        {{"place", stretch.place},
-         {"from_mm", stretch.from_mm},
-         {"length_mm", stretch.length_mm},
-         {"least_confidence", stretch.least_confidence},
-         {"u95_mm", stretch.u95_mm},
-         {"u95_is_guessed", stretch.u95_is_guessed},
-         {"middle_mm", {stretch.middle_base.x(), stretch.middle_base.y(), stretch.middle_base.z()}}});
+    list.push_back({{"place", stretch.place},
+                    {"from_mm", stretch.from_mm},
+                    {"to_mm", std::fmod(stretch.from_mm + stretch.length_mm, line_length_mm)},
+                    {"length_mm", stretch.length_mm},
+                    {"least_confidence", stretch.least_confidence},
+                    {"u95_mm", stretch.u95_mm},
+                    {"u95_is_guessed", stretch.u95_is_guessed},
+                    {"begin_mm", xyz(stretch.begin_base)},
+                    {"middle_mm", xyz(stretch.middle_base)},
+                    {"end_mm", xyz(stretch.end_base)}});
   }
   return list;
 }

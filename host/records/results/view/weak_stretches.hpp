@@ -21,7 +21,8 @@ struct WeakStretch {
   double least_confidence{1};
   double u95_mm{0};  ///< the largest; out of the confidence where the line has none
   bool u95_is_guessed{false};
-  Vec3 middle_base{Vec3::Zero()};
+  double bridged_share{0};  ///< of its points: no crease was seen there
+  Vec3 begin_base{Vec3::Zero()}, middle_base{Vec3::Zero()}, end_base{Vec3::Zero()};
   std::string place{};  ///< "toe", "heel", "left side, middle", with "(inner)" or "(outer)" where it is known
 };
 
@@ -35,8 +36,9 @@ struct WeakStretch {
 /// 0.3 mm, and the error in the plane across the line is taken as Rayleigh's.  mm, at most 10.
 [[nodiscard]] double u95_of_confidence_mm(double confidence);
 
-/// For report.json.
-[[nodiscard]] nlohmann::ordered_json as_json(const std::vector<WeakStretch>& stretches);
+/// For report.json; `line_length_mm`: of the whole line, > 0.
+[[nodiscard]] nlohmann::ordered_json as_json(const std::vector<WeakStretch>& stretches,
+                                             double line_length_mm);
 
 /// "2 weak stretches, 14.2 mm in all, the likely error up to 1.3 mm"; empty when there is none.
 [[nodiscard]] std::string warning(const std::vector<WeakStretch>& stretches);

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "common/core/numbers.hpp"
+#include "host/cloud/flagged.hpp"
 #include "host/geometry/robust.hpp"
 
 namespace biteline::path {
@@ -74,6 +75,18 @@ std::optional<Check> plausible_check(const ClosedLine& line) {
   check.limit = static_cast<double>(n);
   check.detail = "places and normals that are no numbers, or farther than 100 m";
   return check;
+}
+
+/// What a person has not settled is no way for a tool.
+Check settled_check(const ClosedLine& line) {
+  const double percent = 100 * cloud::flagged_share(line);
+  return {.name = "settled",
+          .passed = percent <= 100 * cloud::k_most_flagged_share,
+          .value = percent,
+          .limit = 100 * cloud::k_most_flagged_share,
+          .unit = "%",
+          .arc_mm = -1,
+          .detail = "so much of the line is flagged: a person must settle its flagged stretches first"};
 }
 
 double cross2(const Vec3& a, const Vec3& b) {
@@ -150,6 +163,7 @@ std::vector<Check> check_line(const ClosedLine& line) {
        .arc_mm = length_mm,
        .detail = "the last point is too far from the first: the line is open"});
   length_mm += steps.back();
+  add(settled_check(line));
   add({.name = "length",
        .passed = length_mm >= k_min_length_mm,
        .value = length_mm,

@@ -23,7 +23,8 @@ struct Check {
 [[nodiscard]] bool all_passed(const std::vector<Check>& checks);
 
 /// Closed, evenly spaced, without self-crossing, anticlockwise, normals outward and at right angles to the
-/// line, whose directions are taken from its places.  A line that holds no numbers, or too many points, has
+/// line, whose directions are taken from its places; and at most a tenth of it flagged, which a person must
+/// settle else.  A line that holds no numbers, or too many points, has
 /// one failed check and no other.
 [[nodiscard]] std::vector<Check> check_line(const cloud::ClosedLine& line);
 

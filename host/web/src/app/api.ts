@@ -59,7 +59,7 @@ export interface Held {
   reason?: string | null;
   next_step?: string | null;
 }
-export type Verdict = 'working' | 'ok' | 'amber' | 'refused' | 'failed';
+export type Verdict = 'working' | 'ok' | 'amber' | 'review' | 'refused' | 'failed';
 export interface ScanRow {
   id: string;
   time: string;
@@ -100,7 +100,7 @@ export interface Rerun {
   why?: string | null;
   settings: { model?: string; method?: string; process?: string; mirror?: boolean; grade?: boolean };
   state: 'working' | 'done' | 'lost';
-  verdict?: 'ok' | 'refused';
+  verdict?: 'ok' | 'review' | 'refused';
   reason?: string | null;
   next_step?: string | null;
   length_mm?: number | null;
@@ -203,6 +203,7 @@ export interface Bucket {
   scans: number;
   ok: number;
   amber: number;
+  review: number;
   refused: number;
   failed: number;
   cycle_s?: number | null;

@@ -16,6 +16,7 @@ export interface Sums {
   scans: number;
   ok: number;
   amber: number;
+  review: number;
   refused: number;
   failed: number;
 }

@@ -10,6 +10,7 @@ import type { ScanRow } from './api';
 const verdict_signs: Record<string, string> = {
   ok: '✔',
   amber: '▲',
+  review: '?',
   refused: '✖',
   failed: '!',
   working: '…',

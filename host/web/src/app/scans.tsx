@@ -22,7 +22,7 @@ import { Chart, Failure, Figures, Table, Verdict } from './parts';
 import { WorkAgain } from './rerun';
 import { may, time_words, use_reading, use_store } from './store';
 
-const verdicts = ['ok', 'amber', 'refused', 'failed', 'working'];
+const verdicts = ['ok', 'amber', 'review', 'refused', 'failed', 'working'];
 
 interface Filter {
   from: string;
@@ -252,7 +252,7 @@ export function OneScan({ id }: { id: string }): JSX.Element {
       {scan && (
         <>
           <p
-            class={`notice ${scan.verdict === 'amber' ? 'look' : scan.verdict === 'ok' ? 'good' : scan.verdict === 'working' ? '' : 'refused'}`}
+            class={`notice ${scan.verdict === 'amber' || scan.verdict === 'review' ? 'look' : scan.verdict === 'ok' ? 'good' : scan.verdict === 'working' ? '' : 'refused'}`}
           >
             <Verdict scan={scan} /> {scan.reason ?? ''}{' '}
             {scan.next_step && <strong>{`${t('next_step')} ${scan.next_step}`}</strong>}

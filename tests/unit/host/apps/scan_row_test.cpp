@@ -44,6 +44,19 @@ TEST(ScanRow, LineIsOkAndAmberWithWeakStretches) {
   LONGS_EQUAL(2, row()->weak_stretches);
 }
 
+TEST(ScanRow, ALineThatAPersonMustSettleIsForReviewWhateverItsPathSays) {
+  folder.write(
+      "scan-0001/report.json",
+      R"({"status":"review","reason_code":"rivalled","reason":"r","next_step":"n","length_mm":640.5,"weak_stretches":[{},{}]})");
+  folder.write("scan-0001/path/report.json",
+               R"({"status":"refused","reason_code":"line_check","reason":"not settled"})");
+  STRCMP_EQUAL("review", row()->verdict.c_str());
+  STRCMP_EQUAL("rivalled", row()->reason_code.c_str());
+  LONGS_EQUAL(2, row()->weak_stretches);
+  DOUBLES_EQUAL(640.5, *row()->length_mm, 0);
+  CHECK(!row()->sent);
+}
+
 TEST(ScanRow, RefusalsOfLinePathAndGateAreTold) {
   folder.write("scan-0001/report.json",
                R"({"status":"refused","reason_code":"no_crease","reason":"r","next_step":"n"})");

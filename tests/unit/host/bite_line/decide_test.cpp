@@ -43,10 +43,22 @@ Decision decided(const Layers& of) {
   return decide(of, shoe_plan(), std::nullopt, 0.5);
 }
 
-void refuses(Refused code, const Decision& sut) {
+void says_no(Refused code, const Decision& sut) {
   CHECK(sut.refusal.has_value());
   STRCMP_EQUAL(report::refusal_row(code).name, report::refusal_row(sut.refusal->code).name);
   CHECK(sut.confidence < 0.5);
+}
+
+/// There is no line.
+void refuses(Refused code, const Decision& sut) {
+  says_no(code, sut);
+  CHECK_FALSE(sut.for_review);
+}
+
+/// There is one, and a person must look.
+void asks(Refused code, const Decision& sut) {
+  says_no(code, sut);
+  CHECK(sut.for_review);
 }
 
 }  // namespace
@@ -67,17 +79,17 @@ TEST(Decide, AGrooveBelowASolesEdgeThatIsFilledTooFarIsNotTakenForIt) {
   Crease edge = crease(26, 18, 1.3);
   edge.visible_share = 0.66;
   edge.longest_gap_mm = 43;
-  refuses(Refused::CutIntoSole,
-          decided(layers(groove, {{.crease = edge, .above = true, .all_round = true, .margin = 0.1}})));
+  asks(Refused::CutIntoSole,
+       decided(layers(groove, {{.crease = edge, .above = true, .all_round = true, .margin = 0.1}})));
 }
 
 TEST(Decide, ALedgeBelowTheEdgeOfANearlyFlushSoleIsNotTakenForIt) {
   // As read on a made shoe: the ledge stands out by 4 mm, the sole at the bite line by 0.3 mm.
   Crease edge = crease(16, 9, 0.3);
   edge.visible_share = 0.9;
-  refuses(Refused::CutIntoSole,
-          decided(layers(crease(11.5, 38, 4.0),
-                         {{.crease = edge, .above = true, .all_round = true, .margin = 0.26}})));
+  asks(Refused::CutIntoSole,
+       decided(layers(crease(11.5, 38, 4.0),
+                      {{.crease = edge, .above = true, .all_round = true, .margin = 0.26}})));
 }
 
 TEST(Decide, AnUppersOverlayIsNoSolesEdge) {
@@ -98,12 +110,12 @@ TEST(Decide, ACollarsEdgeIsNoSolesEdge) {
   CHECK_FALSE(sut.refusal.has_value());
 }
 
-TEST(Decide, ALineOnWhatMayBeAnotherLayersIsRefusedWithBothHeights) {
+TEST(Decide, ALineOnWhatMayBeAnotherLayersIsForReviewWithBothHeights) {
   Layers two = layers(crease(22, 60, 0.8),
                       {{.crease = crease(34, 60, 0.1), .first_col = 40, .cols = 20, .above = true}});
   std::fill_n(two.hold.begin() + 40, 20, 0.1F);
   const Decision sut = decided(two);
-  refuses(Refused::Rivalled, sut);
+  asks(Refused::Rivalled, sut);
   STRCMP_CONTAINS("20 %", sut.refusal->reason.c_str());
   STRCMP_CONTAINS("22.0", sut.refusal->reason.c_str());
   STRCMP_CONTAINS("34.0", sut.refusal->reason.c_str());
@@ -114,7 +126,7 @@ TEST(Decide, ALineThatChangesItsCreaseSaysByHowMuchAndHowLong) {
   changed.others.push_back({.first_col = 40, .cols = 20, .off_mm = 4.2});
   std::fill_n(changed.hold.begin() + 40, 20, 0.1F);
   const Decision sut = decided(changed);
-  refuses(Refused::Rivalled, sut);
+  asks(Refused::Rivalled, sut);
   STRCMP_CONTAINS("4.2 mm off", sut.refusal->reason.c_str());
   STRCMP_CONTAINS("20 %", sut.refusal->reason.c_str());
 }
@@ -169,13 +181,40 @@ TEST(Decide, AnOutlineThatIsNoShoesIsToldBeforeAllElse) {
   refuses(Refused::NotAShoe, decide(sound, iron, std::nullopt, 0.5));
 }
 
-TEST(Decide, HalfACreaseIsNone) {
+TEST(Decide, LessThanHalfACreaseIsNone) {
   Crease half = crease(26, 60, 3.0);
-  half.visible_share = 0.55;
+  half.visible_share = 0.45;
   half.longest_gap_mm = 280;
   const Decision sut = decided(layers(half));
   refuses(Refused::NoCreaseAllRound, sut);
   STRCMP_CONTAINS("280 mm", sut.refusal->reason.c_str());
+}
+
+TEST(Decide, ACreaseThatShowsOverMostOfItsLengthIsAPersonsToClose) {
+  Crease most = crease(26, 60, 3.0);
+  most.visible_share = 0.62;
+  most.longest_gap_mm = 120;
+  const Decision sut = decided(layers(most));
+  asks(Refused::NoCreaseAllRound, sut);
+  CHECK(sut.of_line > 0.9);  // its gaps are counted where they are bridged
+}
+
+TEST(Decide, WhatAHardGateSaysNoToIsNoPersons) {
+  Crease torn = crease(26, 60, 3.0);
+  torn.sole_share = 0.2;
+  Layers layers_torn = layers(torn);
+  std::fill_n(layers_torn.hold.begin(), 40, 0.1F);
+  refuses(Refused::NoSole, decided(layers_torn));
+}
+
+TEST(Decide, GatesThatAllHardlySayYesAskAPerson) {
+  Crease hardly = crease(26, 5.4, 3.0);
+  hardly.visible_share = 0.71;
+  hardly.upper_share = 0.81;
+  hardly.sole_share = 0.55;
+  const Decision sut = decided(layers(hardly));
+  asks(Refused::NotSure, sut);
+  STRCMP_CONTAINS("confidence of 0.", sut.refusal->reason.c_str());
 }
 
 TEST(Decide, ASmoothFilletIsNoCrease) {
@@ -196,7 +235,7 @@ TEST(Decide, AScanWhoseEndLiesBesideItsBeginDoesNotClose) {
 TEST(Decide, AMovedShoeIsToldAsSuchAndNotAsALineThatIsRivalled) {
   Layers torn = layers(crease(26, 60, 3.0));
   std::fill_n(torn.hold.begin(), 40, 0.1F);
-  refuses(Refused::Rivalled, decide(torn, shoe_plan(), SeamStep{.moved_mm = 0.1}, 0.5));
+  asks(Refused::Rivalled, decide(torn, shoe_plan(), SeamStep{.moved_mm = 0.1}, 0.5));
   refuses(Refused::DoesNotClose, decide(torn, shoe_plan(), SeamStep{.moved_mm = 4}, 0.5));
 }
 

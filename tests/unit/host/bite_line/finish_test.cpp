@@ -8,6 +8,7 @@
 
 #include "host/bite_line/place/confidence.hpp"
 #include "host/bite_line/scan_points.hpp"
+#include "host/cloud/flagged.hpp"
 #include "tests/unit/host/bite_line/drum.hpp"
 
 namespace biteline::bite_line {
@@ -67,13 +68,17 @@ TEST(Finish, WhatWasBridgedLowersTheConfidence) {
   DOUBLES_EQUAL(0.72, sut.confidence, 1e-9);
 }
 
-TEST(Finish, ALineBelowTheLimitIsRefusedWithTheTrueReasonAndNeverHandedOut) {
+TEST(Finish, ALineBelowTheLimitIsForReviewWithTheTrueReasonAndItsBridgeFlagged) {
   const double length = side.outline.length_mm();
-  const Extraction sut = finish(side, decided(side, 0.6), level_line(side.outline, 0.2 * length), {});
+  PlacedLine line = level_line(side.outline, 0.2 * length);
+  const std::size_t bridged = line.points.size() / 5;
+  for (std::size_t i = 0; i < bridged; ++i) line.points[i].to_visible_mm = 1;
+  const Extraction sut = finish(side, decided(side, 0.6), line, {});
   CHECK_FALSE(sut.found);
+  CHECK(sut.verdict() == Verdict::Review);
   CHECK(sut.refusal->code == Refused::TooMuchBridged);
   STRCMP_CONTAINS("0.48", sut.reason().c_str());
-  CHECK(sut.line.points.empty());
+  DOUBLES_EQUAL(0.2, cloud::flagged_share(sut.line), 0.01);
   DOUBLES_EQUAL(0.48, sut.confidence, 1e-9);
   LONGS_EQUAL(1, sut.candidates.size());
 }
@@ -94,11 +99,31 @@ TEST(Finish, WhatTheArmGivesIsInU95WithoutAHeadToo) {
   DOUBLES_EQUAL(2.4477 * 0.05, sut.line.points.front().u95_mm.value_or(-1), 0.001);
 }
 
+TEST(Finish, ADecisionForReviewIsALineWithMoreThanATenthFlaggedWhateverItsPointsSay) {
+  Decision decision = decided(side, 0.9);
+  decision.refusal = Refusal{Refused::Rivalled, "two"};
+  decision.for_review = true;
+  PlacedLine line = level_line(side.outline, 0);
+  for (std::size_t i = 0; i < line.points.size() / 5; ++i) line.points[i].hold = 0.1;
+  const Extraction some = finish(side, decision, line, {});
+  CHECK(some.verdict() == Verdict::Review);
+  CHECK(some.refusal->code == Refused::Rivalled);
+  DOUBLES_EQUAL(0.2, cloud::flagged_share(some.line), 0.01);
+  CHECK(some.confidence < 0.5);
+  // Nothing at any place speaks against it: then all of it is to be looked at.
+  const Extraction all = finish(side, decision, level_line(side.outline, 0), {});
+  DOUBLES_EQUAL(1, cloud::flagged_share(all.line), 1e-9);
+  // One that is likely another one is unsure everywhere.
+  decision.of_line = 0.2;
+  for (const cloud::LinePoint& point : finish(side, decision, line, {}).line.points)
+    CHECK(point.confidence <= 0.2);
+}
+
 TEST(Finish, ARefusedDecisionStaysItsOwnRefusal) {
   Decision decision = decided(side, 0.3);
   decision.refusal = Refusal{Refused::Rivalled, "two"};
   const Extraction sut = finish(side, decision, {}, {});
-  CHECK_FALSE(sut.found);
+  CHECK(sut.verdict() == Verdict::Refused);
   CHECK(sut.refusal->code == Refused::Rivalled);
   DOUBLES_EQUAL(0.3, sut.confidence, 1e-12);
 }
@@ -118,7 +143,7 @@ PlacedLine far_layer_line(const Outline& outline, double share) {
 
 }  // namespace
 
-TEST(Finish, ALineWhoseU95IsTooLargeOverMoreThanATenthIsRefusedForThat) {
+TEST(Finish, ALineWhoseU95IsTooLargeOverMoreThanATenthIsForReviewForThat) {
   const Extraction little = finish(side, decided(side, 0.9), far_layer_line(side.outline, 0.08), {});
   CHECK(little.found);
   DOUBLES_EQUAL(0.9, little.confidence, 0.03);
@@ -126,11 +151,12 @@ TEST(Finish, ALineWhoseU95IsTooLargeOverMoreThanATenthIsRefusedForThat) {
   CHECK_FALSE(sut.found);
   CHECK(sut.refusal->code == Refused::TooMuchUncertain);
   STRCMP_CONTAINS("U95 is above 1 mm on 30 %", sut.reason().c_str());
-  CHECK(sut.line.points.empty());
+  CHECK(sut.verdict() == Verdict::Review);
+  DOUBLES_EQUAL(0.3, cloud::flagged_share(sut.line), 0.01);
   CHECK(sut.confidence < 0.5);
 }
 
-TEST(Finish, ARefusedLineTellsWhatStandsInFrontOfIt) {
+TEST(Finish, ALineForReviewTellsWhatStandsInFrontOfIt) {
   PlacedLine line = level_line(side.outline, 0);
   for (std::size_t i = 0; i < line.points.size() / 5; ++i) line.points[i].hold = 0.1;
   const Extraction alone = finish(side, decided(side, 0.9), line, {});

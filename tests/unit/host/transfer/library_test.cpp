@@ -52,6 +52,16 @@ TEST(Library, WhatIsSavedIsLoadedAgain) {
   DOUBLES_EQUAL(12.0, list->front().line_length_mm, 1e-6);
 }
 
+TEST(Library, ALineThatAPersonMustSettleIsNoSample) {
+  const std::filesystem::path path = sample(7);
+  Result<cloud::ClosedLine> line = cloud::read_line(path / k_line_file);
+  SUCCEEDS(line);
+  for (cloud::LinePoint& point : line->points) point.flags = cloud::k_line_unsure;
+  SUCCEEDS(cloud::write_line(path / k_line_file, *line));
+  FAILS_NAMING(Errc::Refused, "settle", sut.save("open", path));
+  CHECK(!sut.load("open"));
+}
+
 TEST(Library, ManifestThatNamesAnotherFileIsDamagedAndThatFileStaysUnread) {
   SUCCEEDS(sut.save("a", sample(7)));
   std::ifstream in(sut.path_of("a") / "model.json");

@@ -119,6 +119,16 @@ TEST(Cycle, StartOfAPageIsOneOfTheSameMachine) {
   check_start(Refusal::None, 8);
 }
 
+TEST(Cycle, ALineThatAPersonMustSettleHasAVerdictOfItsOwn) {
+  check_choose(Refusal::None, 1);
+  check_start(Refusal::None, 7);
+  sut.scan_begins();
+  sut.scan_ends(ended("review"));
+  CHECK(state().verdict == Verdict::Review);
+  LONGS_EQUAL(1, state().counts.review);
+  LONGS_EQUAL(0, state().counts.ok + state().counts.amber + state().counts.refused + state().counts.failed);
+}
+
 TEST(Cycle, RequestOutOfRangeIsNone) {
   check_choose(Refusal::None, 1);
   for (const int request : {0, -1, 65536}) check_start(Refusal::BadRequest, request);

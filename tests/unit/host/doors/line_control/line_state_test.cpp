@@ -27,7 +27,7 @@ LineState full_state() {
           .length_mm = 801.4,
           .u95_mm = 0.1234,
           .confidence = 0.9876,
-          .counts = {.starts = 65'540, .ok = 5, .amber = 6, .refused = 7, .failed = 8}};
+          .counts = {.starts = 65'540, .ok = 5, .amber = 6, .refused = 7, .failed = 8, .review = 9}};
 }
 
 }  // namespace
@@ -37,7 +37,7 @@ TEST_GROUP(LineState){};
 TEST(LineState, ValuesStandAtTheirPlaces) {
   const auto values = values_of(full_state(), 42, Refusal::Busy);
   constexpr std::array<std::uint16_t, k_values> k_expected{
-      1, 42, 5, 0, 1, 0, 17, 16, 2, 3, 4, 1, 1, 3, 70'001 - 65'536, 4, 5, 6, 7, 8, 801, 123, 988};
+      1, 42, 5, 0, 1, 0, 17, 16, 2, 3, 4, 1, 1, 3, 70'001 - 65'536, 4, 5, 6, 7, 8, 801, 123, 988, 9};
   for (std::size_t i = 0; i < k_values; ++i)
     LONGS_EQUAL_TEXT(k_expected.at(i), values.at(i), value_rows()[i].name);
 }

@@ -17,7 +17,7 @@
 namespace biteline::test {
 
 /// `spoil` names a cloud whose line this build moves by half a millimetre in x.
-/// Clouds called crash.., hang.., refuse.., eat.., bad.. do as their names say.
+/// Clouds called crash.., hang.., refuse.., review.., eat.., bad.. do as their names say.
 inline std::string fake_program(const std::string& spoil = "nothing") {
   return R"sh(#!/bin/sh
 cloud=$2
@@ -32,13 +32,17 @@ case $(basename "$cloud") in
   bad*) echo "fake: $cloud row 3: 3 numbers expected" >&2; exit 2 ;;
   refuse*) echo '{"status": "refused", "reason_code": "no_crease", "reason": "made so"}' > "$out/report.json"; exit 3 ;;
 esac
-echo '{"status": "ok", "length_mm": 400, "confidence": 0.9, "u95": {"pooled_mm": 0.05, "max_mm": 0.06}}' > "$out/report.json"
+status=ok
+ends=0
+case $(basename "$cloud") in review*) status=review; ends=5 ;; esac
+echo '{"status": "'$status'", "length_mm": 400, "confidence": 0.9, "u95": {"pooled_mm": 0.05, "max_mm": 0.06}}' > "$out/report.json"
 if [ "$(basename "$cloud")" = )sh" +
          spoil + R"sh( ]; then
   awk -F, 'BEGIN { OFS = "," } /^#/ { print; next } { $1 += 0.5; print }' "$cloud" > "$out/line.csv"
 else
   cp "$cloud" "$out/line.csv"
 fi
+exit $ends
 )sh";
 }
 

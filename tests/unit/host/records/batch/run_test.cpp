@@ -32,16 +32,18 @@ TEST_GROUP(BatchRun) {
 };
 
 TEST(BatchRun, CrashHangAndRefusalCostThemselvesOnlyAndAreNamed) {
-  for (const char* name : {"a.xyz", "crash.xyz", "hang.xyz", "refuse.xyz", "eat.xyz", "bad.xyz", "z.xyz"})
+  for (const char* name :
+       {"a.xyz", "crash.xyz", "hang.xyz", "refuse.xyz", "review.xyz", "eat.xyz", "bad.xyz", "z.xyz"})
     files.add_cloud(name);
   BatchRun run = files.planned(test::fake_program());
   run.limits.time_s = 2;
   const RunCounts counts = run_all(run);
-  LONGS_EQUAL(7, counts.computed);
+  LONGS_EQUAL(8, counts.computed);
   for (const auto& [verdict, count] : std::map<std::string, std::size_t>{{"ok", 2},
                                                                          {"crashed", 1},
                                                                          {"timed_out", 1},
                                                                          {"refused", 1},
+                                                                         {"review", 1},
                                                                          {"out_of_memory", 1},
                                                                          {"unreadable", 1}}) {
     CHECK_TEXT(counts.by_verdict.contains(verdict), verdict.c_str());

@@ -164,6 +164,7 @@ TEST(Memory, TrendsAreInBucketsWithReasonsByCount) {
     Scan scan = scan_named("scan-" + std::to_string(i), 20'000 * k_day_ms + (i / 3) * k_day_ms + i,
                            i == 5   ? "refused"
                            : i == 0 ? "amber"
+                           : i == 4 ? "review"
                                     : "ok");
     scan.length_mm = 600 + i;
     scan.cycle_s = i * i;
@@ -181,6 +182,7 @@ TEST(Memory, TrendsAreInBucketsWithReasonsByCount) {
   DOUBLES_EQUAL(1, *trends->buckets[0].median_cycle_s, 1e-9);
   CHECK(!trends->buckets[0].median_u95_mm);
   LONGS_EQUAL(1, trends->buckets[1].refused);
+  LONGS_EQUAL(1, trends->buckets[1].review);
   LONGS_EQUAL(1, trends->reasons.size());
   STRCMP_EQUAL("no_crease", trends->reasons[0].reason_code.c_str());
   LONGS_EQUAL(1, memory.trends({}, FactoryDay{}, Span::Week)->buckets.size());

@@ -53,6 +53,22 @@ TEST(Report, StagesAndFieldsAreWritten) {
   CHECK(!json.contains("reason"));
 }
 
+TEST(Report, ThreeVerdicts) {
+  const ToldRefusal why{.reason_code = "rivalled", .reason = "two creases", .next_step = "settle it"};
+  Report sut;
+  CHECK(sut.status() == ExitStatus::Done);
+  sut.review(why);
+  CHECK(sut.status() == ExitStatus::Review);
+  CHECK_FALSE(sut.refused());
+  const auto json = written(sut);
+  STRCMP_EQUAL("review", json["status"].get<std::string>().c_str());
+  STRCMP_EQUAL("rivalled", json["reason_code"].get<std::string>().c_str());
+  STRCMP_EQUAL("settle it", json["next_step"].get<std::string>().c_str());
+  sut.refuse(why);
+  CHECK(sut.status() == ExitStatus::Refused);
+  CHECK(sut.refused());
+}
+
 TEST(Report, TimeForPicturesStaysOutOfTheTotal) {
   Report sut;
   volatile double work = 0;

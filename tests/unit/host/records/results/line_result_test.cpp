@@ -130,6 +130,37 @@ TEST(LineResult, RefusalRemovesTheLineOfAnEarlierRun) {
   STRCMP_EQUAL("no_crease_all_round", report_json()["reason_code"].get<std::string>().c_str());
 }
 
+TEST(LineResult, ALineForReviewIsWrittenWithItsOpenStretchesAndTheWaysThere) {
+  Drum d = drum(true);
+  bite_line::Extraction& e = d.extraction;
+  e.found = false;
+  e.refusal = bite_line::Refusal{bite_line::Refused::Rivalled, "two creases"};
+  for (std::size_t i = 20; i < 40; ++i) {
+    e.line.points[i].confidence = 0.2;
+    cloud::flag_unsure(e.line.points[i]);
+  }
+  bite_line::Candidate other = e.candidates.front();
+  for (const cloud::LinePoint& point : e.line.points) {
+    e.candidates.front().points.push_back(point.position);
+    other.points.push_back(point.position + Vec3{0, 0, 6});
+  }
+  e.candidates.push_back(other);
+  CHECK(write(d) == ExitStatus::Review);
+  CHECK(has("line.csv"));
+  const auto json = report_json();
+  STRCMP_EQUAL("review", json["status"].get<std::string>().c_str());
+  STRCMP_EQUAL("rivalled", json["reason_code"].get<std::string>().c_str());
+  LONGS_EQUAL(1, json["weak_stretches"].size());
+  const auto& open = json["weak_stretches"][0];
+  STRCMP_EQUAL("rivalled", open["reason_code"].get<std::string>().c_str());
+  CHECK(open["to_mm"].get<double>() > open["from_mm"].get<double>());
+  LONGS_EQUAL(1, open["alternatives"].size());
+  LONGS_EQUAL(2, open["alternatives"][0]["candidate"].get<int>());
+  DOUBLES_EQUAL(6, open["alternatives"][0]["off_mm"].get<double>(), 0.1);
+  LONGS_EQUAL(20, open["alternatives"][0]["points"].size());
+  STRCMP_CONTAINS("review: ", summary(e).c_str());
+}
+
 TEST(LineResult, FarSideOfTheShoeIsDrawnThin) {
   const Drum d = drum(true);
   const bite_line::Extraction& e = d.extraction;

@@ -32,6 +32,14 @@ TEST(LineCheck, GoodLinePasses) {
   CHECK(failed(line).empty());
 }
 
+TEST(LineCheck, WhatAPersonMustSettleIsNoWayForATool) {
+  const std::size_t tenth = line.points.size() / 10;
+  for (std::size_t i = 0; i < tenth; ++i) line.points[i].flags |= cloud::k_line_unsure;
+  CHECK(failed(line).empty());
+  for (std::size_t i = 0; i < 2 * tenth; ++i) line.points[i].flags |= cloud::k_line_unsure;
+  STRCMP_EQUAL("settled;", failed(line).c_str());
+}
+
 TEST(LineCheck, OpenLineIsRefused) {
   line.points.resize(line.points.size() - 30);
   STRCMP_EQUAL("closed;", failed(line).c_str());
