@@ -53,12 +53,17 @@ Extraction find_bite_line(const ScanPoints& scan, const Config& config, std::opt
     return clock.run("level", [&] { return find_along_guide(scan, side, by, seam, config); });
   };
   AlongGuide found;
-  if (!guide.places.empty()) {
-    found = look_along(guide);
-  } else {
+  if (!guide.places.empty()) found = look_along(guide);
+  if (found.decision.paths.empty()) {
+    const std::optional<Refusal> no_guide = found.decision.refusal;
     found.decision = clock.run("decision", [&] {
       return decide(layers, plan_shape(side_reach(side)), seam, config.min_confidence_ratio);
     });
+    // The course leaves its crease somewhere, and the way on it cannot be followed.
+    if (no_guide && !found.decision.refusal) {
+      found.decision.refusal = no_guide;
+      found.decision.for_review = true;
+    }
     if (!found.decision.refusal || found.decision.for_review) {
       found.placed = clock.run("place", [&] {
         return place_path(scan, side, found.decision.paths.front().row,

@@ -68,7 +68,8 @@ Result<int> take_nearest(const fs::path& folder, const cloud::PointCloud& cloud,
   const results::MendOrder order{
       .steps = {{.kind = mend::Step::Kind::Candidate, .candidate = candidate}},
       .who = "model " + model,
-      .why = "nearest to the model's mended line of the candidates that pass their gates"};
+      .why = "nearest to the model's mended line of the candidates that pass their gates",
+      .by = mend::By::Model};
   BITELINE_ASSIGN(const mend::OrRefusal<results::MendedScan> taken,
                   results::mend_scan(folder, order, report));
   if (!taken) return 1;

@@ -446,9 +446,9 @@ Result<ExitStatus> Service::work_named(Unnamed unnamed, const std::string& model
       scan.calibration_checked = false;
       check_own_calibration(scan, unnamed.outcome);
     } else if (line.status == ExitStatus::Review) {
-      const Carrier carrier{
-          .name = model, .sample = transfer::ReadySample{std::move(*sample)}, .options = {}};
-      BITELINE_ASSIGN(line, carry_or_review(folder, carrier, unnamed.outcome, chosen, std::move(line)));
+      Carrier carrier{.name = model, .sample = transfer::ReadySample{std::move(*sample)}, .options = {}};
+      BITELINE_ASSIGN(line,
+                      carry_or_review(folder, std::move(carrier), unnamed.outcome, chosen, std::move(line)));
       BITELINE_TRY(line.pages.write(unnamed.outcome.cloud));
     } else {
       BITELINE_ASSIGN(line, heed_mended_model(folder, std::move(line), unnamed.outcome.cloud,

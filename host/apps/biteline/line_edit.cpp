@@ -59,15 +59,19 @@ Result<std::vector<mend::Step>> steps_of(const LineEditOptions& options,
       return fail(Errc::InvalidArgument, "--undo: nobody has mended this line");
     steps.push_back({.kind = Kind::BackTo, .points = {}, .line_version = versions.back().mended});
   }
-  if (options.candidate > 0)
-    steps.push_back({.kind = Kind::Candidate, .candidate = options.candidate, .points = {}});
   if (options.has_from != options.has_to)
     return fail(Errc::InvalidArgument, "--from and --to: both ends of the stretch expected");
   const mend::Stretch stretch{.from_mm = options.from_mm, .to_mm = options.to_mm};
+  const bool alone = options.candidate > 0 && options.through.empty() && !options.cut;
+  if (options.candidate > 0)
+    steps.push_back({.kind = Kind::Candidate,
+                     .candidate = options.candidate,
+                     .stretch = alone ? stretch : mend::Stretch{},
+                     .points = {}});
   if (options.cut) {
     if (!options.has_from) return fail(Errc::InvalidArgument, "--cut: --from and --to expected");
     steps.push_back({.kind = Kind::Cut, .stretch = stretch, .points = {}});
-  } else if (!options.through.empty() || options.has_from) {
+  } else if (!options.through.empty() || (options.has_from && !alone)) {
     mend::Step step{.kind = Kind::Through, .stretch = stretch, .points = {}};
     for (const std::string& text : options.through) {
       BITELINE_ASSIGN(const Vec3 point, read_point(text));
@@ -162,7 +166,9 @@ void add_line_edit(options::Command& line, Context& context) {
       "edit", "Mend the line of a scan; each mend is a new version, and what was found stays");
   edit_command->add_option("SCAN", options->scan, "The scan's folder: cloud.ply and report.json")->required();
   edit_command
-      ->add_option("--candidate", options->candidate, "Take this candidate of the report, counted from 1")
+      ->add_option("--candidate", options->candidate,
+                   "Take this candidate of the report, counted from 1, the line as found; with --from and "
+                   "--to over that stretch")
       ->check(options::whole_number(1, 99));
   edit_command
       ->add_option(

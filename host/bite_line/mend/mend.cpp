@@ -9,7 +9,6 @@
 #include "common/core/fixed_text.hpp"
 #include "host/bite_line/layers/course.hpp"
 #include "host/bite_line/mend/led_course.hpp"
-#include "host/bite_line/mend/splice.hpp"
 #include "host/geometry/closed_curve.hpp"
 
 namespace biteline::mend {
@@ -27,13 +26,14 @@ geometry::ArcLength arc_of(const ClosedLine& line) {
 
 class Mending {
  public:
-  Mending(const Surface& surface, const ClosedLine& base, const OldLine& old_line)
-      : surface_{surface}, base_{base}, old_line_{old_line}, line_{base} {}
+  Mending(const Surface& surface, const ClosedLine& base, const OldLine& old_line, By by,
+          std::vector<Snap>* snaps)
+      : surface_{surface}, base_{base}, old_line_{old_line}, by_{by}, snaps_{snaps}, line_{base} {}
 
   OrRefusal<void> run(const Step& step) {
     switch (step.kind) {
       case Step::Kind::Candidate:
-        return take_candidate(step.candidate);
+        return take_candidate(step);
       case Step::Kind::Through:
         return lead_through(step);
       case Step::Kind::Cut:
@@ -46,33 +46,47 @@ class Mending {
   ClosedLine take() { return std::move(line_); }
 
  private:
-  OrRefusal<void> take_candidate(int candidate) {
+  OrRefusal<void> take_candidate(const Step& step) {
+    const int candidate = step.candidate;
     const auto& paths = surface_.decision().paths;
     if (candidate < 1 || static_cast<std::size_t>(candidate) > paths.size()) {
       return refuse(Refused::NoSuchCandidate,
                     Text::format("candidate %d: the scan has %zu", candidate, paths.size()).c_str());
     }
-    ClosedLine taken = surface_.place(paths[static_cast<std::size_t>(candidate) - 1].row, 1.0);
-    LinePoint unknown;
-    unknown.confidence = surface_.decision().confidence;
+    ClosedLine taken = surface_.candidate(candidate);
+    if (step.stretch.from_mm != 0 || step.stretch.to_mm != 0) {
+      const OrRefusal<Ends> ends = ends_of(step.stretch);
+      if (!ends) return tl::unexpected<Refusal>(ends.error());
+      line_ = splice(line_, *ends, led_stretch(taken, line_, *ends, {.chosen = true}));
+      return {};
+    }
+    for (LinePoint& point : taken.points) take_point(point);
+    line_ = std::move(taken);
+    return {};
+  }
+
+  /// What was sure already and stays where it is needs no hand.
+  void take_point(LinePoint& point) const {
     constexpr double k_same_mm = 0.1;
-    for (LinePoint& point : taken.points) {
-      if (line_.points.empty()) {
-        mark_mended(point, unknown);
-        continue;
-      }
-      const LinePoint& before = line_.points[nearest_index(line_, point.position)];
-      if ((before.position - point.position).norm() > k_same_mm) {
-        mark_mended(point, before);
-        continue;
-      }
+    LinePoint before;
+    before.confidence = surface_.decision().confidence;
+    before.flags = cloud::k_line_unsure;
+    bool same = false;
+    if (!line_.points.empty()) {
+      before = line_.points[nearest_index(line_, point.position)];
+      same = (before.position - point.position).norm() <= k_same_mm;
+    }
+    const bool sure = (before.flags & cloud::k_line_unsure) == 0 && before.confidence >= cloud::k_sure_ratio;
+    if (same && (sure || by_ == By::Model)) {
       point.confidence = before.confidence;
       point.u95_mm = before.u95_mm;
       point.flags = before.flags;
       point.source = before.source;
+    } else if (by_ == By::Person) {
+      mark_by_hand(point);
+    } else {
+      mark_mended(point, before);
     }
-    line_ = std::move(taken);
-    return {};
   }
 
   OrRefusal<Ends> ends_of(const Stretch& stretch) const {
@@ -145,7 +159,8 @@ class Mending {
     }
     for (int k = 0; k < cols; ++k)
       rows[static_cast<std::size_t>((*first + k) % grid.cols)] = (*course)[static_cast<std::size_t>(k)];
-    line_ = splice(line_, *ends, led_stretch(surface_.place(rows, 1.0), line_, *ends, step.points));
+    line_ = splice(line_, *ends,
+                   led_stretch(surface_.place(rows, 1.0), line_, *ends, {.hints = step.points}, snaps_));
     return {};
   }
 
@@ -183,14 +198,16 @@ class Mending {
   const Surface& surface_;
   const ClosedLine& base_;
   const OldLine& old_line_;
+  By by_;
+  std::vector<Snap>* snaps_;
   ClosedLine line_;
 };
 
 }  // namespace
 
 OrRefusal<ClosedLine> mend(const Surface& surface, const ClosedLine& base, std::span<const Step> steps,
-                           const OldLine& old_line) {
-  Mending mending{surface, base, old_line};
+                           const OldLine& old_line, By by, std::vector<Snap>* snaps) {
+  Mending mending{surface, base, old_line, by, snaps};
   for (std::size_t i = 0; i < steps.size(); ++i) {
     if (const OrRefusal<void> done = mending.run(steps[i]); !done) {
       Refusal refusal = done.error();

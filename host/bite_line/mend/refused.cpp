@@ -17,8 +17,9 @@ std::span<const report::RefusalRow<Refused>> refusal_table(Refused) {
       Row{HintOffSide, "hint_off_side", "choose points on the shoe's side, where the scan shows it"},
       Row{HintOutside, "hint_outside", "choose A and B so that every point lies between them"},
       Row{NoCourse, "no_course", "set A and B farther from the points, or lead through fewer of them"},
-      Row{StillUnsure, "still_unsure", "scan the shoe again, or save the mended line as a model"},
+      Row{StillUnsure, "still_unsure", "settle the stretches that are still flagged, too"},
       Row{LineCheck, "line_check", "mend the place that the reason names, or go back to an older version"},
+      Row{ScanUnusable, "scan_unusable", "scan the shoe again"},
   };
   return k_rows;
 }

@@ -18,8 +18,9 @@ enum class Refused {
   HintOffSide,      ///< a point lies nowhere on the shoe's side
   HintOutside,      ///< a point lies beside the stretch
   NoCourse,         ///< no course leads through these points
-  StillUnsure,      ///< mended, but too much of the line is as unsure as before
+  StillUnsure,      ///< mended, but a person must settle more of the line
   LineCheck,        ///< mended, but no line that a tool could follow
+  ScanUnusable,     ///< mended, but what was wrong with the scan itself no hand can mend
 };
 
 [[nodiscard]] std::span<const report::RefusalRow<Refused>> refusal_table(Refused);

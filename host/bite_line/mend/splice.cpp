@@ -96,9 +96,10 @@ std::vector<LinePoint> between(const ClosedLine& line, Ends ends) {
 }
 
 std::vector<LinePoint> led_stretch(const ClosedLine& placed, const ClosedLine& line, Ends ends,
-                                   std::span<const Vec3> hints) {
+                                   const Word& word, std::vector<Snap>* snaps) {
   constexpr double k_lead_in_mm = 5.0;  // half the running mean along a placed line, and a little
   constexpr double k_snap_mm = 1.5;     // a hand is no better
+  constexpr double k_near_mm = 20.0;
   const LinePoint& first = line.points[ends.first];
   const LinePoint& last = line.points[ends.last];
   std::vector<LinePoint> points = between(
@@ -112,7 +113,7 @@ std::vector<LinePoint> led_stretch(const ClosedLine& placed, const ClosedLine& l
                           (1 - smooth_step((way_mm.back() - way_mm[i]) / lead_mm)) * off_last;
   }
   std::vector<Anchor> anchors{{.way_mm = 0}, {.way_mm = way_mm.back()}};
-  for (const Vec3& hint : hints) {
+  for (const Vec3& hint : word.hints) {
     const auto nearest = static_cast<std::size_t>(
         std::min_element(points.begin(), points.end(),
                          [&](const LinePoint& a, const LinePoint& b) {
@@ -122,8 +123,18 @@ std::vector<LinePoint> led_stretch(const ClosedLine& placed, const ClosedLine& l
     const Vec3 off = hint - points[nearest].position;
     const bool snapped = points[nearest].source == PointSource::Seen && off.norm() <= k_snap_mm;
     anchors.push_back({.way_mm = way_mm[nearest], .move = snapped ? Vec3{Vec3::Zero()} : off});
+    if (snaps != nullptr)
+      snaps->push_back({.wanted = hint, .on_crease = snapped, .by_mm = snapped ? off.norm() : 0});
   }
+  const bool led = !word.hints.empty();
+  std::vector<double> set_mm;
+  for (const Anchor& anchor : anchors) set_mm.push_back(anchor.way_mm);
   move_between(points, way_mm, std::move(anchors));
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const bool near =
+        led && std::ranges::any_of(set_mm, [&](double mm) { return std::abs(way_mm[i] - mm) <= k_near_mm; });
+    if (word.chosen || near) mark_by_hand(points[i]);
+  }
   points.front() = first;
   points.back() = last;
   return points;
@@ -167,12 +178,25 @@ std::vector<LinePoint> bridged_stretch(const ClosedLine& line, Ends ends) {
   return points;
 }
 
-void mark_mended(LinePoint& point, const LinePoint& replaced) {
-  point.confidence = std::min(point.confidence, replaced.confidence);
-  if (point.source != PointSource::Seen) point.u95_mm = std::max(point.u95_mm.value_or(0), k_least_u95_mm);
+void mark_by_hand(LinePoint& point) {
+  const bool seen = point.source == PointSource::Seen;
+  point.u95_mm = seen ? std::min(point.u95_mm.value_or(k_hand_u95_mm), k_hand_u95_mm) : k_hand_u95_mm;
+  point.confidence = seen ? std::max(point.confidence, k_hand_confidence) : k_hand_confidence;
+  point.source = PointSource::Mended;
+  point.flags = 0;
+}
+
+void mark_mended(LinePoint& point) {
+  if (point.source != PointSource::Seen && point.source != PointSource::Mended)
+    point.u95_mm = std::max(point.u95_mm.value_or(0), k_hand_u95_mm);
   point.source = PointSource::Mended;
   point.flags = 0;
   cloud::flag_unsure(point);
+}
+
+void mark_mended(LinePoint& point, const LinePoint& replaced) {
+  point.confidence = std::min(point.confidence, replaced.confidence);
+  mark_mended(point);
 }
 
 ClosedLine splice(const ClosedLine& line, Ends ends, std::span<const LinePoint> stretch) {
@@ -180,7 +204,6 @@ ClosedLine splice(const ClosedLine& line, Ends ends, std::span<const LinePoint> 
   const double spacing_mm = cloud::length_mm(line) / static_cast<double>(count);
   const std::vector<double> way_mm = ways_mm(stretch);
   const auto steps = static_cast<std::size_t>(std::max(1.0, std::round(way_mm.back() / spacing_mm)));
-  const std::size_t replaced = (ends.last + count - ends.first) % count;
 
   ClosedLine out;
   const auto keep = [&](std::size_t from, std::size_t end) {
@@ -190,8 +213,7 @@ ClosedLine splice(const ClosedLine& line, Ends ends, std::span<const LinePoint> 
     for (std::size_t k = 1; k < steps; ++k) {
       const double share = static_cast<double>(k) / static_cast<double>(steps);
       LinePoint point = at_way(stretch, way_mm, share * way_mm.back());
-      const auto by = static_cast<std::size_t>(std::lround(share * static_cast<double>(replaced)));
-      mark_mended(point, line.points[(ends.first + by) % count]);
+      mark_mended(point);
       out.points.push_back(point);
     }
   };

@@ -17,14 +17,14 @@ struct Stretch {
 /// One operation.
 struct Step {
   enum class Kind {
-    Candidate,  ///< take the whole of another candidate
+    Candidate,  ///< take a candidate, all of it or over the stretch; the first one is the line as found
     Through,    ///< lead the stretch through the points
     Cut,        ///< bridge the stretch
     BackTo,     ///< take an older version
   };
   Kind kind{Kind::Through};
   int candidate{0};            ///< counted from 1
-  Stretch stretch{};           ///< of Through and Cut
+  Stretch stretch{};           ///< of Through and Cut; of Candidate, both ends 0: all of it
   std::vector<Vec3> points{};  ///< of Through, base, mm, in any order
   int line_version{0};         ///< of BackTo
 };

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <utility>
 
+#include "host/bite_line/find_bite_line.hpp"
 #include "host/bite_line/layers/climb.hpp"
 #include "host/bite_line/place/finish.hpp"
 #include "host/bite_line/place/place_path.hpp"
-#include "host/bite_line/side/seam.hpp"
 #include "host/bite_line/side/side_outline.hpp"
 
 namespace biteline::mend {
@@ -20,22 +20,35 @@ using namespace bite_line;
 
 OrRefusal<Surface> Surface::of(const cloud::PointCloud& cloud) {
   PointRuns runs = runs_of(cloud);
-  bite_line::OrRefusal<Shoe> shoe = find_shoe(runs.scan(cloud.points).means);
-  if (!shoe) return refuse(Refused::NothingToMend, "nothing to mend: " + shoe.error().reason);
-  Outline outline = side_outline(*shoe);
-  SideField field = SideField::build(*shoe, outline, {});
-  return Surface{cloud.points, std::move(runs), Side{std::move(*shoe), std::move(outline), std::move(field)}};
+  std::optional<Workings> workings;
+  Extraction found = find_bite_line(runs.scan(cloud.points), {}, &workings);
+  if (!workings) return refuse(Refused::NothingToMend, "nothing to mend: " + found.reason());
+  return Surface{cloud.points, std::move(runs), std::move(*workings), std::move(found.candidates)};
 }
 
-Surface::Surface(std::vector<Eigen::Vector3f> points, PointRuns runs, Side side)
-    : points_{std::move(points)}, runs_{std::move(runs)}, side_{std::move(side)} {
-  const Layers layers = find_layers_along(side_, {}, runs_.looks);
+Surface::Surface(std::vector<Eigen::Vector3f> points, PointRuns runs, Workings workings,
+                 std::vector<Candidate> candidates)
+    : points_{std::move(points)},
+      runs_{std::move(runs)},
+      side_{std::move(workings.side)},
+      decision_{std::move(workings.decision)},
+      placed_{std::move(workings.placed)},
+      candidates_{std::move(candidates)} {
   Evidence evidence = find_evidence(side_.field, {});
   likeness_ = std::move(evidence.likeness);
   cost_ = std::move(evidence.cost);
-  decision_ =
-      decide(layers, plan_shape(side_reach(side_)), seam_step(runs_.scan(points_), side_.shoe, side_.outline),
-             Config{}.min_confidence_ratio);
+}
+
+cloud::ClosedLine Surface::candidate(int number) const {
+  if (number > 1 || placed_.points.empty())
+    return place(decision_.paths[static_cast<std::size_t>(number) - 1].row, 1.0);
+  // As it was found, along guards too.
+  PlacedLine placed = placed_;
+  for (PlacedStation& station : placed.points) {
+    station.hold = 1;
+    station.other_mm = 0;
+  }
+  return even_line(placed, T_base_shoe(), 1.0, {}, Config{}.point_spacing_mm);
 }
 
 ScanPoints Surface::points() const {

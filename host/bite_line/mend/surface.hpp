@@ -5,11 +5,13 @@
 #include <span>
 #include <vector>
 
+#include "host/bite_line/extraction.hpp"
 #include "host/bite_line/layers/layers.hpp"
 #include "host/bite_line/mend/refused.hpp"
 #include "host/bite_line/path/decide.hpp"
 #include "host/bite_line/scan_points.hpp"
 #include "host/bite_line/side/side.hpp"
+#include "host/bite_line/workings.hpp"
 #include "host/cloud/closed_line.hpp"
 #include "host/cloud/point_cloud.hpp"
 
@@ -33,6 +35,11 @@ class Surface {
   [[nodiscard]] std::span<const float> cost() const { return {cost_.data(), cost_.size()}; }
   /// As the method judged them, the best first: those that report.json lists.
   [[nodiscard]] const bite_line::Decision& decision() const { return decision_; }
+  [[nodiscard]] std::span<const bite_line::Candidate> candidates() const { return candidates_; }
+
+  /// A candidate's line, counted from 1, placed in the raw points; confidence and U95 as of place().  Pre:
+  /// there is such a one.
+  [[nodiscard]] cloud::ClosedLine candidate(int number) const;
 
   /// Where a point (base) lies on the unrolled side; nothing when it lies beyond.
   [[nodiscard]] std::optional<GridPlace> locate(const Vec3& point) const;
@@ -45,7 +52,8 @@ class Surface {
   [[nodiscard]] cloud::ClosedLine place(std::span<const double> path, double of_line) const;
 
  private:
-  Surface(std::vector<Eigen::Vector3f> points, bite_line::PointRuns runs, bite_line::Side side);
+  Surface(std::vector<Eigen::Vector3f> points, bite_line::PointRuns runs, bite_line::Workings workings,
+          std::vector<bite_line::Candidate> candidates);
 
   [[nodiscard]] bite_line::ScanPoints points() const;
 
@@ -54,6 +62,8 @@ class Surface {
   bite_line::Side side_;
   bite_line::Large<float> likeness_, cost_;
   bite_line::Decision decision_;
+  bite_line::PlacedLine placed_;  ///< of the first candidate; empty where it was not placed
+  std::vector<bite_line::Candidate> candidates_;
 };
 
 }  // namespace biteline::mend

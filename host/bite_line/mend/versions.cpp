@@ -28,7 +28,9 @@ Json to_json(const Step& step) {
   Json json{{"step", k_kinds.at(static_cast<std::size_t>(step.kind))}};
   if (step.kind == Step::Kind::Candidate) json["candidate"] = step.candidate;
   if (step.kind == Step::Kind::BackTo) json["line_version"] = step.line_version;
-  if (step.kind == Step::Kind::Through || step.kind == Step::Kind::Cut) {
+  const bool part = step.stretch.from_mm != 0 || step.stretch.to_mm != 0;
+  if (step.kind == Step::Kind::Through || step.kind == Step::Kind::Cut ||
+      (step.kind == Step::Kind::Candidate && part)) {
     json["from_mm"] = step.stretch.from_mm;
     json["to_mm"] = step.stretch.to_mm;
   }
@@ -169,7 +171,11 @@ std::string words_of(const Step& step) {
   using Text = FixedText<120>;
   switch (step.kind) {
     case Step::Kind::Candidate:
-      return Text::format("candidate %d", step.candidate).c_str();
+      if (step.stretch.from_mm == 0 && step.stretch.to_mm == 0)
+        return Text::format("candidate %d", step.candidate).c_str();
+      return Text::format("candidate %d from %.1f to %.1f mm", step.candidate, step.stretch.from_mm,
+                          step.stretch.to_mm)
+          .c_str();
     case Step::Kind::Through:
       return Text::format("through %zu points from %.1f to %.1f mm", step.points.size(), step.stretch.from_mm,
                           step.stretch.to_mm)

@@ -53,6 +53,11 @@ std::optional<std::vector<Vec3>> points_of(const Json& step) {
   return points;
 }
 
+mend::Stretch stretch_of(const Json& json, bool& good) {
+  return {.from_mm = number_of(json, "from_mm", 0, k_most_mm, good),
+          .to_mm = number_of(json, "to_mm", 0, k_most_mm, good)};
+}
+
 /// Nothing where it is no `Mend` step of the API.
 std::optional<mend::Step> step_of(const Json& json) {
   if (!json.is_object() || !json.contains("step") || !json["step"].is_string()) return std::nullopt;
@@ -62,15 +67,16 @@ std::optional<mend::Step> step_of(const Json& json) {
   if (kind == "candidate") {
     step.kind = Kind::Candidate;
     step.candidate = static_cast<int>(number_of(json, "candidate", 1, 99, good));
-    good = good && has_only(json, {"candidate"});
+    const bool part = json.contains("from_mm") || json.contains("to_mm");
+    if (part) step.stretch = stretch_of(json, good);
+    good = good && has_only(json, {"candidate", "from_mm", "to_mm"});
   } else if (kind == "back_to") {
     step.kind = Kind::BackTo;
     step.line_version = static_cast<int>(number_of(json, "line_version", 0, 1e6, good));
     good = good && has_only(json, {"line_version"});
   } else if (kind == "through" || kind == "cut") {
     step.kind = kind == "cut" ? Kind::Cut : Kind::Through;
-    step.stretch = {.from_mm = number_of(json, "from_mm", 0, k_most_mm, good),
-                    .to_mm = number_of(json, "to_mm", 0, k_most_mm, good)};
+    step.stretch = stretch_of(json, good);
     if (step.kind == Kind::Through) {
       std::optional<std::vector<Vec3>> points = points_of(json);
       good = good && points && has_only(json, {"from_mm", "to_mm", "points"});
@@ -85,7 +91,7 @@ std::optional<mend::Step> step_of(const Json& json) {
 }
 
 /// What the row says of a line changes with it.
-void take_mended(const results::MendedScan& mended, const report::Report& report, memory::Scan& row) {
+void take_mended(const results::MendedScan& mended, report::Report& report, memory::Scan& row) {
   row.line_version = mended.version;
   row.length_mm = cloud::length_mm(mended.line);
   row.confidence = mended.confidence;
@@ -94,17 +100,14 @@ void take_mended(const results::MendedScan& mended, const report::Report& report
   for (const cloud::LinePoint& point : mended.line.points) {
     if (point.u95_mm) row.u95_mm = std::max(row.u95_mm.value_or(0), *point.u95_mm);
   }
-  const bool refused = mended.status == ExitStatus::Refused;
   // A hand's line is looked at again, whatever it says of itself.
-  row.verdict = refused ? "refused" : "amber";
-  if (!refused) {
-    row.reason_code.clear();
-    row.reason.clear();
-    row.next_step.clear();
-  } else {
-    row.reason_code = "still_unsure";
-    row.reason = mended.words;
-  }
+  row.verdict = mended.status == ExitStatus::Refused  ? "refused"
+                : mended.status == ExitStatus::Review ? "review"
+                                                      : "amber";
+  const Json told = Json::parse(report.text(), nullptr, false);
+  row.reason_code = told.value("reason_code", "");
+  row.reason = told.value("reason", "");
+  row.next_step = told.value("next_step", "");
 }
 
 /// Why a scan of this row is not mended; nothing: it may be.

@@ -14,6 +14,7 @@
 #include "host/records/report/page.hpp"
 #include "host/records/results/line_uncertainty.hpp"
 #include "host/records/results/plan_result.hpp"
+#include "host/records/results/view/alternatives.hpp"
 #include "host/records/results/view/page_parts.hpp"
 #include "host/records/results/view/view_data.hpp"
 #include "host/records/results/view/weak_stretches.hpp"
@@ -44,21 +45,48 @@ Json found_report(const fs::path& scan) {
   return json.is_object() ? json : Json::object();
 }
 
-/// What the method said of the whole line; of a mended one no hand says more.
-double found_confidence(const Json& found) {
-  const auto confidence = found.find("confidence");
-  return confidence != found.end() && confidence->is_number() ? confidence->get<double>() : 0.0;
+std::string text_of(const Json& json, const char* key) {
+  const auto found = json.find(key);
+  return found != json.end() && found->is_string() ? found->get<std::string>() : std::string{};
 }
 
-/// Why a mended line is no result.
-std::optional<mend::Refusal> judge(const cloud::ClosedLine& line) {
+/// That the whole line is the bite line.  Of one that was found no hand says more; of another one its points
+/// do, by the hand's word and the creases that it lies on.
+double confidence_of(const cloud::ClosedLine& line, const Json& found) {
+  const double held = 1 - cloud::flagged_of(line).all();
+  const auto confidence = found.find("confidence");
+  if (text_of(found, "status") == "ok" && confidence != found.end() && confidence->is_number())
+    return std::min(confidence->get<double>(), held);
+  double sum = 0;
+  for (const cloud::LinePoint& point : line.points) sum += point.confidence;
+  return std::min(sum / static_cast<double>(line.points.size()), held);
+}
+
+/// A hand can say where the line runs on what was seen, and not that what was seen is the shoe as it stood.
+bool hand_may_settle(const Json& found) {
+  using bite_line::Refused;
+  if (text_of(found, "status") != "refused") return true;
+  const std::string code = text_of(found, "reason_code");
+  return std::ranges::any_of(bite_line::refusal_table(Refused{}), [&](const auto& row) {
+    return row.name == code && row.code != Refused::DoesNotClose;
+  });
+}
+
+/// Why a mended line is none to be worked: refused, or for review (StillUnsure).
+std::optional<mend::Refusal> judge(const cloud::ClosedLine& line, const Json& found) {
+  if (!hand_may_settle(found)) {
+    return mend::Refusal{
+        mend::Refused::ScanUnusable,
+        Text::format("the scan was refused, and no hand mends that: %s", text_of(found, "reason").c_str())
+            .c_str()};
+  }
   const cloud::Flagged flagged = cloud::flagged_of(line);
   if (flagged.too_much()) {
     return mend::Refusal{
         mend::Refused::StillUnsure,
-        Text::format("%.0f %% of the mended line's length is unsure or has too much U95 (at most %.0f %%): a "
-                     "hand does not raise the confidence",
-                     100 * flagged.all(), 100 * cloud::k_most_flagged_share)
+        Text::format(
+            "%.0f %% of the mended line's length is still unsure or has too much U95 (at most %.0f %%)",
+            100 * flagged.all(), 100 * cloud::k_most_flagged_share)
             .c_str()};
   }
   for (const path::Check& check : path::check_line(line)) {
@@ -68,6 +96,17 @@ std::optional<mend::Refusal> judge(const cloud::ClosedLine& line) {
                                                        .c_str()};
   }
   return std::nullopt;
+}
+
+/// What snapped, and by how much.
+Json as_json(const std::vector<mend::Snap>& snaps) {
+  Json rows = Json::array();
+  for (const mend::Snap& snap : snaps) {
+    rows.push_back({{"point_mm", {snap.wanted.x(), snap.wanted.y(), snap.wanted.z()}},
+                    {"on_crease", snap.on_crease},
+                    {"by_mm", snap.by_mm}});
+  }
+  return rows;
 }
 
 Json versions_json(const std::vector<mend::Version>& versions) {
@@ -89,8 +128,8 @@ Json versions_json(const std::vector<mend::Version>& versions) {
 Result<void> write_page(const fs::path& scan, const MendedScan& mended, const std::vector<WeakStretch>& weak,
                         const std::vector<mend::Version>& versions, const report::Report& report) {
   using report::Page;
-  const bool done = mended.status == ExitStatus::Done;
-  Page page{"Bite line", mended.words, done ? Page::Mood::Look : Page::Mood::Refused};
+  const bool refused = mended.status == ExitStatus::Refused;
+  Page page{"Bite line", mended.words, refused ? Page::Mood::Refused : Page::Mood::Look};
   add_weak_stretches(page, weak);
   add_viewer(page, scan);
   page.heading("Versions");
@@ -108,18 +147,20 @@ Result<void> write_page(const fs::path& scan, const MendedScan& mended, const st
 }
 
 /// Everything that told of the line before tells of this one.
-Result<void> write_result(const fs::path& scan, MendedScan& mended, const SE3& T_base_shoe,
+Result<void> write_result(const fs::path& scan, MendedScan& mended, const mend::Surface& surface,
                           const std::vector<mend::Version>& versions, report::Report& report) {
+  const SE3& T_base_shoe = surface.T_base_shoe();
   const Json found = found_report(scan);
   for (const char* key : {"input", "sensor", "simulated", "sample", "scan", "devices", "messages_lost",
                           "points", "candidates", "closure_mm", "calibration_check"}) {
     if (found.contains(key)) report.fields[key] = found[key];
   }
-  const double flagged = cloud::flagged_of(mended.line).all();
-  mended.confidence = std::min(found_confidence(found), 1 - flagged);
-  const std::optional<mend::Refusal> refusal = judge(mended.line);
-  mended.status = refusal ? ExitStatus::Refused : ExitStatus::Done;
-  if (refusal) report.refuse(*refusal);
+  mended.confidence = confidence_of(mended.line, found);
+  const std::optional<mend::Refusal> refusal = judge(mended.line, found);
+  const bool review = refusal && refusal->code == mend::Refused::StillUnsure;
+  if (review) report.review(*refusal);
+  if (refusal && !review) report.refuse(*refusal);
+  mended.status = report.status();
 
   double mended_share = 0;
   for (const cloud::LinePoint& point : mended.line.points) {
@@ -133,16 +174,21 @@ Result<void> write_result(const fs::path& scan, MendedScan& mended, const SE3& T
   report.fields["line_version"] = mended.version;
   report.fields["mended_mm"] = mended_share * length_mm;
   const std::vector<WeakStretch> weak = weak_stretches(mended.line, T_base_shoe);
-  report.fields["weak_stretches"] = as_json(weak, length_mm);
+  report.fields["weak_stretches"] =
+      review ? as_open(weak, mended.line, surface.candidates()) : as_json(weak, length_mm);
+  if (!mended.snaps.empty()) report.fields["points_by_hand"] = as_json(mended.snaps);
   // A hand's part is a bound, and poses and calibration are not weighed again.
   U95Parts parts = parts_of_found_line({});
-  parts.holds.push_back("at least 0.5 mm where a hand put the line beside any crease");
+  parts.holds.push_back("0.5 mm where a hand put the line beside any crease");
   report.fields["u95"] = u95_json(mended.line, parts);
   report.fields["versions"] = versions_json(versions);
   mended.words =
       Text::format("line mended: version %d, %.1f mm long, %.1f mm of it by hand, confidence %.2f%s%s",
                    mended.version, length_mm, mended_share * length_mm, mended.confidence,
-                   refusal ? "; refused: " : "", refusal ? refusal->reason.c_str() : "")
+                   review    ? "; review: "
+                   : refusal ? "; refused: "
+                             : "",
+                   refusal ? refusal->reason.c_str() : "")
           .c_str();
 
   // A path of the line before is no path of this one.
@@ -202,13 +248,13 @@ Result<mend::OrRefusal<MendedScan>> mend_scan(const fs::path& scan, const MendOr
     Result<cloud::ClosedLine> line = mend::read_version(scan, version);
     return line ? std::optional{std::move(*line)} : std::nullopt;
   };
-  mend::OrRefusal<cloud::ClosedLine> line =
-      report.timed("mend", [&] { return mend::mend(*surface, base, made.steps, old_line); });
+  mend::OrRefusal<cloud::ClosedLine> line = report.timed(
+      "mend", [&] { return mend::mend(*surface, base, made.steps, old_line, order.by, &mended.snaps); });
   if (!line) return Outcome{tl::unexpected<mend::Refusal>(line.error())};
   mended.line = std::move(*line);
   BITELINE_ASSIGN(mended.version, mend::save_version(scan, made, mended.line));
   BITELINE_ASSIGN(versions, mend::read_versions(scan));
-  BITELINE_TRY(write_result(scan, mended, surface->T_base_shoe(), versions, report));
+  BITELINE_TRY(write_result(scan, mended, *surface, versions, report));
   return Outcome{std::move(mended)};
 }
 

@@ -19,6 +19,7 @@ struct MendOrder {
   std::string who, why;           ///< told with the version
   std::optional<int>
       line_version{};  ///< what is mended; nothing: the newest.  Another one is Errc::WrongState
+  mend::By by{mend::By::Person};
 };
 
 /// What came of it.
@@ -28,14 +29,15 @@ struct MendedScan {
   cloud::ClosedLine line;
   double confidence{0};
   cloud::PointCloud cloud;
-  std::string words;  ///< one line for a person
+  std::vector<mend::Snap> snaps;  ///< of the points that this mend has set
+  std::string words;              ///< one line for a person
 };
 
 /// Mends the newest line of a finished scan's folder.  Keeps what was found, adds lines/line-N.csv, then
 /// writes line.csv, report.json and the page anew; what was planned along the line before is removed.  The
-/// line is judged as a found one is: at most a tenth of it unsure, and the checks of `path::check_line`.  One
-/// that fails is kept as a version, its report is refused.  Steps that cannot be done are a mend::Refusal;
-/// nothing is written then.
+/// line is judged as a found one is: with more than a tenth flagged it is for review.  One that fails the
+/// checks of `path::check_line`, or whose scan was refused for what no hand can mend, is kept as a version,
+/// and its report is refused.  Steps that cannot be done are a mend::Refusal; nothing is written then.
 [[nodiscard]] Result<mend::OrRefusal<MendedScan>> mend_scan(const std::filesystem::path& scan,
                                                             const MendOrder& order, report::Report& report);
 

@@ -62,6 +62,14 @@ TEST(Library, ALineThatAPersonMustSettleIsNoSample) {
   CHECK(!sut.load("open"));
 }
 
+TEST(Library, ALineWhoseReportRefusesItIsNoSample) {
+  const std::filesystem::path path = sample(7);
+  std::ofstream(path / "report.json") << R"({"status":"refused","reason_code":"line_check"})";
+  FAILS_NAMING(Errc::Refused, "refused", sut.save("open", path));
+  std::ofstream(path / "report.json") << R"({"status":"ok"})";
+  SUCCEEDS(sut.save("open", path));
+}
+
 TEST(Library, ManifestThatNamesAnotherFileIsDamagedAndThatFileStaysUnread) {
   SUCCEEDS(sut.save("a", sample(7)));
   std::ifstream in(sut.path_of("a") / "model.json");

@@ -58,7 +58,7 @@ double mm_of(const cloud::ClosedLine& line, std::size_t point) {
 TEST_GROUP(Mend){};
 
 TEST(Mend, EveryCodeHasItsRow) {
-  test::check_refusal_table(Refused::LineCheck);
+  test::check_refusal_table(Refused::ScanUnusable);
 }
 
 TEST(Mend, AStretchThatWentAstrayIsLedBackOntoTheCreaseByOnePoint) {
@@ -76,13 +76,13 @@ TEST(Mend, AStretchThatWentAstrayIsLedBackOntoTheCreaseByOnePoint) {
   for (const cloud::LinePoint& point : sut->points) {
     if (point.source != cloud::PointSource::Mended) continue;
     ++mended;
-    CHECK(point.u95_mm.value_or(9) < k_least_u95_mm);  // snapped
+    CHECK(point.u95_mm.value_or(9) < k_hand_u95_mm);  // snapped
   }
   CHECK(mended > 100);
   for (std::size_t i = 0; i < 280; ++i) CHECK(sut->points[i].position == wrong.points[i].position);
 }
 
-TEST(Mend, NoMendedPointIsSurerThanTheOneItReplaces) {
+TEST(Mend, AHandsWordCountsForMoreThanTheDoubtThatItReplaces) {
   const cloud::ClosedLine wrong = spoiled(300, 100);
   const Step step{.kind = Step::Kind::Through,
                   .stretch = {.from_mm = mm_of(wrong, 305), .to_mm = mm_of(wrong, 395)},
@@ -90,7 +90,7 @@ TEST(Mend, NoMendedPointIsSurerThanTheOneItReplaces) {
   const OrRefusal<cloud::ClosedLine> sut = mend(surface(), wrong, {&step, 1}, {});
   CHECK(sut.has_value());
   for (const cloud::LinePoint& point : sut->points) {
-    if (point.source == cloud::PointSource::Mended) CHECK(point.confidence <= 0.4);
+    if (point.source == cloud::PointSource::Mended) CHECK(point.confidence >= k_hand_confidence);
   }
 }
 
@@ -102,7 +102,7 @@ TEST(Mend, ACutTakesOutTheBulge) {
   CHECK(sut.has_value());
   CHECK(most_mm(*sut) < 0.6 * most_mm(wrong));
   for (const cloud::LinePoint& point : sut->points) {
-    if (point.source == cloud::PointSource::Mended) CHECK(point.u95_mm.value_or(0) >= k_least_u95_mm);
+    if (point.source == cloud::PointSource::Mended) CHECK(point.u95_mm.value_or(0) >= k_hand_u95_mm);
   }
 }
 
@@ -114,7 +114,7 @@ TEST(Mend, TheFirstCandidateIsTheFoundLine) {
   for (const cloud::LinePoint& point : sut->points) CHECK(point.source != cloud::PointSource::Mended);
 }
 
-TEST(Mend, ACandidateOfARefusedScanIsNoSurerThanTheScan) {
+TEST(Mend, ACandidateOfARefusedScanIsByHandAndAModelMakesItNoSurer) {
   const Step step{.kind = Step::Kind::Candidate, .candidate = 1};
   const test::MadeCloud bare = test::made_cloud(sim::ShoeClass::Bare, 43, test::somewhere());
   const OrRefusal<Surface> upper = Surface::of(bare.cloud);
@@ -122,9 +122,49 @@ TEST(Mend, ACandidateOfARefusedScanIsNoSurerThanTheScan) {
   const OrRefusal<cloud::ClosedLine> sut = mend(*upper, {}, {&step, 1}, {});
   CHECK(sut.has_value());
   for (const cloud::LinePoint& point : sut->points) {
+    CHECK(point.confidence >= k_hand_confidence);
+    CHECK(point.u95_mm.value_or(9) <= k_hand_u95_mm);
+    LONGS_EQUAL(0, point.flags);
+    CHECK(point.source == cloud::PointSource::Mended);
+  }
+  const OrRefusal<cloud::ClosedLine> by_model = mend(*upper, {}, {&step, 1}, {}, By::Model);
+  CHECK(by_model.has_value());
+  for (const cloud::LinePoint& point : by_model->points) {
     CHECK(point.confidence <= upper->decision().confidence);
     CHECK((point.flags & cloud::k_line_unsure) != 0);
+  }
+}
+
+TEST(Mend, ACandidateIsTakenOverAStretchAloneAndSettlesIt) {
+  cloud::ClosedLine doubted = found();
+  for (std::size_t i = 300; i < 460; ++i) {
+    doubted.points[i].confidence = 0.1;
+    cloud::flag_unsure(doubted.points[i]);
+  }
+  const Step step{.kind = Step::Kind::Candidate,
+                  .candidate = 1,
+                  .stretch = {.from_mm = mm_of(doubted, 298), .to_mm = mm_of(doubted, 462)}};
+  const OrRefusal<cloud::ClosedLine> sut = mend(surface(), doubted, {&step, 1}, {});
+  CHECK_TEXT(sut.has_value(), sut ? "" : sut.error().reason.c_str());
+  for (const cloud::LinePoint& point : sut->points) LONGS_EQUAL(0, point.flags);
+  DOUBLES_EQUAL(test::mean_error_mm(found(), shoe().truth), test::mean_error_mm(*sut, shoe().truth), 0.01);
+  CHECK(sut->points[200].source != cloud::PointSource::Mended);
+  CHECK(sut->points[380].source == cloud::PointSource::Mended);
+}
+
+TEST(Mend, AllOfALineThatWasDoubtedIsSettledByItsOwnCandidate) {
+  cloud::ClosedLine doubted = found();
+  for (cloud::LinePoint& point : doubted.points) {
+    point.confidence = 1e-16;
+    cloud::flag_unsure(point);
+  }
+  const Step step{.kind = Step::Kind::Candidate, .candidate = 1};
+  const OrRefusal<cloud::ClosedLine> sut = mend(surface(), doubted, {&step, 1}, {});
+  CHECK(sut.has_value());
+  for (const cloud::LinePoint& point : sut->points) {
     CHECK(point.source == cloud::PointSource::Mended);
+    CHECK(point.confidence >= k_hand_confidence);
+    LONGS_EQUAL(0, point.flags);
   }
 }
 

@@ -45,7 +45,7 @@ TEST(Splice, ABridgeOfACircleIsTheCircleAndWhatLiesOutsideStays) {
     DOUBLES_EQUAL(1, point.normal.norm(), 1e-9);
     if (point.source != cloud::PointSource::Mended) continue;
     ++mended;
-    CHECK(point.u95_mm.value_or(0) >= k_least_u95_mm);
+    CHECK(point.u95_mm.value_or(0) >= k_hand_u95_mm);
     CHECK(point.confidence <= 0.9);
     least = std::min(least, point.confidence);
   }
@@ -74,10 +74,10 @@ TEST(Splice, AHandThatNoCreaseHoldsIsFollowedAndToldAsHalfAMillimetre) {
   for (cloud::LinePoint& point : placed.points) point.source = cloud::PointSource::Seen;
   const Ends ends{.first = 200, .last = 320};
   const Vec3 hint = line.points[260].position * 1.03;  // 3 mm outwards
-  const cloud::ClosedLine sut = splice(line, ends, led_stretch(placed, line, ends, {&hint, 1}));
+  const cloud::ClosedLine sut = splice(line, ends, led_stretch(placed, line, ends, {.hints = {&hint, 1}}));
   const cloud::LinePoint& at = sut.points[nearest_index(sut, hint)];
   DOUBLES_EQUAL(103, radius(at), 0.05);
-  DOUBLES_EQUAL(k_least_u95_mm, at.u95_mm.value_or(0), 1e-9);
+  DOUBLES_EQUAL(k_hand_u95_mm, at.u95_mm.value_or(0), 1e-9);
   CHECK(at.source == cloud::PointSource::Mended);
 }
 
@@ -85,13 +85,67 @@ TEST(Splice, AMeasuredCreaseNearTheHandHoldsTheLine) {
   const cloud::ClosedLine line = circle();
   const Ends ends{.first = 200, .last = 320};
   const Vec3 hint = line.points[260].position * 1.01;  // 1 mm outwards
-  const cloud::ClosedLine sut = splice(line, ends, led_stretch(line, line, ends, {&hint, 1}));
+  const cloud::ClosedLine sut = splice(line, ends, led_stretch(line, line, ends, {.hints = {&hint, 1}}));
   const cloud::LinePoint& at = sut.points[nearest_index(sut, hint)];
   DOUBLES_EQUAL(100, radius(at), 0.01);
   DOUBLES_EQUAL(0.1, at.u95_mm.value_or(0), 1e-9);
 }
 
-TEST(Splice, TheHandRaisesNoConfidence) {
+TEST(Splice, WhatBecameOfAPointIsTold) {
+  const cloud::ClosedLine line = circle();
+  const Ends ends{.first = 200, .last = 320};
+  const std::vector<Vec3> hints{line.points[240].position * 1.01, line.points[280].position * 1.03};
+  std::vector<Snap> snaps;
+  static_cast<void>(led_stretch(line, line, ends, {.hints = hints}, &snaps));
+  LONGS_EQUAL(2, snaps.size());
+  CHECK(snaps[0].on_crease);  // 1 mm beside it
+  DOUBLES_EQUAL(1.0, snaps[0].by_mm, 0.02);
+  CHECK_FALSE(snaps[1].on_crease);  // 3 mm: the line leads through it
+  DOUBLES_EQUAL(0, snaps[1].by_mm, 1e-12);
+}
+
+TEST(Splice, AHandVouchesForWhatItHasChosenAndForWhatLiesNearAPoint) {
+  cloud::ClosedLine line = circle();
+  for (cloud::LinePoint& point : line.points) {
+    point.source = cloud::PointSource::Bridged;
+    point.confidence = 0.1;
+    point.u95_mm = 3;
+    cloud::flag_unsure(point);
+  }
+  const Ends ends{.first = 100, .last = 900};
+  const Vec3 hint = line.points[500].position;
+  const auto by_hand = [](const cloud::LinePoint& point) {
+    return point.source == cloud::PointSource::Mended && point.u95_mm == k_hand_u95_mm &&
+           point.confidence == k_hand_confidence && point.flags == 0;
+  };
+  const std::vector<cloud::LinePoint> led = led_stretch(line, line, ends, {.hints = {&hint, 1}});
+  CHECK(by_hand(led[400]));
+  CHECK_FALSE(by_hand(led[200]));
+  const std::vector<cloud::LinePoint> chosen = led_stretch(line, line, ends, {.chosen = true});
+  for (std::size_t i = 1; i + 1 < chosen.size(); ++i) CHECK(by_hand(chosen[i]));
+}
+
+TEST(Splice, AHandIsNoWorseThanTheCreaseThatItLiesOn) {
+  cloud::LinePoint sharp{.position = Vec3::Zero(),
+                         .normal = Vec3::UnitX(),
+                         .tangent = Vec3::UnitY(),
+                         .confidence = 0.97,
+                         .u95_mm = 0.08};
+  mark_by_hand(sharp);
+  DOUBLES_EQUAL(0.97, sharp.confidence, 1e-12);
+  DOUBLES_EQUAL(0.08, sharp.u95_mm.value_or(9), 1e-12);
+  cloud::LinePoint dull{.position = Vec3::Zero(),
+                        .normal = Vec3::UnitX(),
+                        .tangent = Vec3::UnitY(),
+                        .confidence = 0.2,
+                        .u95_mm = 2.5};
+  mark_by_hand(dull);
+  DOUBLES_EQUAL(k_hand_confidence, dull.confidence, 1e-12);
+  DOUBLES_EQUAL(k_hand_u95_mm, dull.u95_mm.value_or(9), 1e-12);
+  LONGS_EQUAL(0, dull.flags);
+}
+
+TEST(Splice, WhatNoPersonHasLookedAtIsNoSurerThanWhatItReplaces) {
   cloud::LinePoint point{.position = Vec3::Zero(),
                          .normal = Vec3::UnitX(),
                          .tangent = Vec3::UnitY(),
