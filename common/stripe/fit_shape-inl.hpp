@@ -21,10 +21,6 @@ inline constexpr float k_reach_sigma = 3.2F;
 inline constexpr float k_background_sigma = 4.8F;
 /// Narrower than a pixel's own aperture cannot be, wider than this is no stripe.
 inline constexpr float k_min_sigma_px = 0.5F, k_max_sigma_px = 16.0F;
-/// Speckle that the weights believe in.  Full belief would give the far tails as much say as the top, and
-/// there the shape is not known that well: the fit would follow its own width estimate (worse than this from
-/// contrast 0.15 on, see bench_stripe_accuracy).  The variance that is reported holds all of the speckle.
-inline constexpr float k_weight_contrast = 0.06F;
 /// Where the start values cut: low enough to see most of the stripe's light, high enough to leave out
 /// another's.
 inline constexpr float k_cut_ratio = 0.4F;
@@ -35,6 +31,8 @@ inline constexpr float k_settled_ratio = 0.08F;
 /// Relative changes above this are worth another round in any case: height, width and misfit are then off,
 /// too.
 inline constexpr float k_settled_change = 0.25F;
+/// What the weights took for speckle is taken off a variance again, but not more than leaves this share.
+inline constexpr float k_least_noise_ratio = 0.05F;
 }  // namespace biteline::stripe
 #endif
 
@@ -161,30 +159,29 @@ HWY_INLINE void set_background(const SideLevel& side_before, const SideLevel& si
   stripe.tilt = hn::IfThenElse(nothing, zero, hn::Div(hn::Sub(after, before), hn::Add(inner, outer)));
 }
 
-/// What one round of the fit learns.
+/// What one round of the fit learns; each of the shape before the step.
 struct Round {
-  V variance_centre;  ///< of the new centre, by the noise model: all of the speckle
-  V misfit;           ///< residual's share of the model's energy, before the step
-  V skew;             ///< of the shape, before the step: Peak::skew
-  M settled;          ///< a further round would change little
+  FitEvidenceOf<V> evidence;
+  V skew;     ///< Peak::skew
+  M settled;  ///< a further round would change little
 };
 
 /// One Gauss-Newton step of the least squares of a Gaussian; background and tilt as they are.  Without
 /// `Judge` every row has the same weight and only the stripe is changed: enough to come near.
 template <bool Judge>
-HWY_INLINE Round improve(const Walk& walk, const NoiseModel& noise, Stripe& stripe) {
+HWY_INLINE Round improve(const Walk& walk, const FitWeights& weights, Stripe& stripe) {
   const V zero = hn::Zero(d), one = hn::Set(d, 1.0F);
-  const V read_variance = hn::Set(d, noise.read_noise_grey * noise.read_noise_grey);
-  const V gain = hn::Set(d, noise.gain_grey_per_electron);
-  const float weight_contrast = std::min(noise.speckle_contrast, k_weight_contrast);
-  const V speckle = hn::Set(d, weight_contrast * weight_contrast);
+  const V read_variance = hn::Set(d, weights.read_variance_grey2);
+  const V gain = hn::Set(d, weights.gain_grey);
+  const V speckle = hn::Set(d, weights.contrast * weights.contrast);
   const V per_sigma = hn::Div(one, stripe.sigma);
   const V full_scale = hn::Set(d, k_below_full), reach_squared = hn::Set(d, k_reach_sigma * k_reach_sigma);
   const V base_variance = hn::MulAdd(gain, hn::Max(stripe.background, zero), read_variance);
 
-  // Sums over the rows with g = exp(-u^2 / 2), weight w and residual r: of w g^2 u^k, and of w g r u^k.
+  // Sums over the rows with g = exp(-u^2 / 2), weight w and residual r: of w g^2 u^k, of w g r u^k, and of
+  // w^2 g^4 u^k.
   V gg0 = zero, gg2 = zero, gg4 = zero, gr0 = zero, gr1 = zero, gr2 = zero;
-  V speckled = zero, energy = zero, residual_energy = zero, gg6 = zero, gr3 = zero;
+  V speckled0 = zero, speckled2 = zero, energy = zero, residual_energy = zero, gg6 = zero, gr3 = zero;
   V x = walk.first_from(stripe.centre);
   for (int i = 0; i < walk.row_count; ++i) {
     const V grey = walk.row(i);
@@ -207,7 +204,8 @@ HWY_INLINE Round improve(const Walk& walk, const NoiseModel& noise, Stripe& stri
     gr1 = hn::Add(gr1, gru);
     gr2 = hn::MulAdd(gru, u, gr2);
     if constexpr (Judge) {
-      speckled = hn::MulAdd(gg, ggu2, speckled);
+      speckled0 = hn::MulAdd(gg, gg, speckled0);
+      speckled2 = hn::MulAdd(gg, ggu2, speckled2);
       energy = hn::MulAdd(mean, mean, energy);
       const V counted_residual = hn::IfThenElseZero(used, residual);
       residual_energy = hn::MulAdd(counted_residual, counted_residual, residual_energy);
@@ -245,19 +243,26 @@ HWY_INLINE Round improve(const Walk& walk, const NoiseModel& noise, Stripe& stri
   stripe.sigma = within(hn::Add(stripe.sigma, step_sigma), hn::Mul(stripe.sigma, hn::Set(d, 0.7F)),
                         hn::Mul(stripe.sigma, hn::Set(d, 1.5F)));
   stripe.sigma = hn::Max(hn::Set(d, k_min_sigma_px), hn::Min(stripe.sigma, hn::Set(d, k_max_sigma_px)));
-  // Neighbouring rows share their speckle: its part of the variance counts as many times as rows go together.
-  const V amplitude_squared = hn::Mul(stripe.amplitude, stripe.amplitude);
-  const V extra =
-      hn::Mul(hn::Div(hn::Mul(hn::Mul(speckled, amplitude_squared), amplitude_squared),
-                      hn::Mul(stripe.sigma, stripe.sigma)),
-              hn::Set(d, noise.speckle_contrast * noise.speckle_contrast * noise.speckle_grain_px -
-                             weight_contrast * weight_contrast));
-  // The fit's own height and width follow the speckle; to second order that adds four times its square (seen
-  // in bench_stripe_accuracy at contrasts from 0.1 to 0.3).
-  const V second_order = hn::Set(d, 1 + 4 * noise.speckle_contrast * noise.speckle_contrast);
-  return {.variance_centre =
-              hn::Mul(hn::Div(hn::Add(one, hn::Div(extra, information)), information), second_order),
-          .misfit = hn::Sqrt(hn::Div(residual_energy, hn::Max(energy, one))),
+  // The error of the centre is sum(w m' e) / information, and that of the stripe's light sum(w g e) / (gg0 A)
+  // with m' = A g u / sigma.  Of speckle e = A g s the first has the variance sum(w^2 m'^2 (A g)^2) S /
+  // information^2, S the speckle's power, the second sum(w^2 g^4) S / gg0^2.  What the weights hold for
+  // speckle is not camera noise.
+  const V per_information = hn::Div(one, information), per_light = hn::Div(one, hn::Max(gg0, tiny));
+  const V amplitude_squared = hn::Max(hn::Mul(stripe.amplitude, stripe.amplitude), tiny);
+  const V centre_gain =
+      hn::Mul(hn::Div(amplitude_squared, hn::Mul(stripe.sigma, stripe.sigma)),
+              hn::Mul(hn::Mul(amplitude_squared, per_information), hn::Mul(speckled2, per_information)));
+  const V light_gain = hn::Mul(speckled0, hn::Mul(per_light, per_light));
+  const V least_noise = hn::Set(d, k_least_noise_ratio);
+  const auto camera_noise = [&](V variance, V gain_of_speckle) {
+    return hn::Max(hn::NegMulAdd(speckle, gain_of_speckle, variance), hn::Mul(least_noise, variance));
+  };
+  return {.evidence = {.misfit = hn::Sqrt(hn::Div(residual_energy, hn::Max(energy, one))),
+                       .centre_variance = camera_noise(per_information, centre_gain),
+                       .centre_gain = centre_gain,
+                       .light_variance = camera_noise(hn::Div(per_light, amplitude_squared), light_gain),
+                       .light_gain = light_gain,
+                       .light_per_width = hn::Mul(gg2, per_light)},
           .skew = skew,
           .settled = hn::And(hn::Lt(hn::Mul(hn::Mul(left, left), information), hn::Set(d, k_settled_ratio)),
                              hn::Lt(change, hn::Set(d, k_settled_change)))};

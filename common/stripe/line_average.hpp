@@ -15,9 +15,6 @@ struct LineAverageConfig {
   /// Most columns on each side that one row may be drawn from; 0 turns averaging off.  Six columns are 0.8 mm
   /// of surface at 0.13 mm a column.
   int max_each_side{k_max_each_side};
-  /// Correlation of neighbouring columns' errors (speckle blurred by the optics); falls by this factor with
-  /// each column.
-  float neighbour_correlation{0.42F};
   /// Two estimates may differ by this many standard deviations each and still be of one shape.
   float consistency_sigma{1.6F};
 
@@ -44,16 +41,22 @@ class LineAverage {
  public:
   explicit LineAverage(const LineAverageConfig& config);
 
-  /// Overwrites rows and standard deviations.  `work` holds as many points as `line`.
-  void rt_average(std::span<LinePoint> line, std::span<LinePoint> work) const noexcept BITELINE_RT;
+  /// Overwrites rows and standard deviations.  `work` holds as many points as `line`;
+  /// `neighbour_correlation` is Speckle's, 0 to 1.
+  void rt_average(std::span<LinePoint> line, std::span<LinePoint> work,
+                  float neighbour_correlation) const noexcept BITELINE_RT;
 
  private:
   static constexpr std::size_t k_windows = 4;
+  /// Farther apart, errors are unrelated: 0.8 to the power of sixteen is 0.03.
+  static constexpr std::size_t k_correlated_columns = 3;
   /// Half widths tried, and for each the weights of a parabola's value at its centre (Savitzky, Golay 1964).
   struct Window {
     int each_side{0};
     std::array<float, LineAverageConfig::k_max_each_side + 1> weight{};  ///< by distance from the centre
-    float sigma_ratio{1};  ///< of the average to a single column
+    /// Variance of the average over a single column's: what columns at each distance from each other add to
+    /// it, times their errors' correlation.
+    std::array<float, k_correlated_columns + 1> share{};
   };
   LineAverageConfig config_;
   std::array<Window, k_windows> windows_;

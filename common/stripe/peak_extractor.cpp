@@ -82,6 +82,7 @@ Result<PeakExtractor> PeakExtractor::create(const PeakConfig& config, int width_
   for (std::size_t rank = 0; rank < k_kept_peaks; ++rank) {
     state->scratch.candidates.block[rank].assign(columns, 0);
     state->scratch.candidates.value[rank].assign(columns, 0);
+    state->evidence[rank].assign(columns, {});
   }
   state->scratch.candidates.seen_count.assign(columns, 0);
   // The instruction set is chosen here and not at the first frame.

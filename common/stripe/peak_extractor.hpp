@@ -20,7 +20,9 @@ enum class PeakMode : std::uint8_t {
   FirZeroCrossing,  ///< zero of the smoothed first derivative
 };
 
-/// Variance of one pixel at mean grey value m: read^2 + gain m + (speckle m)^2.
+/// Variance of one pixel at mean grey value m: read^2 + gain m + (speckle m)^2.  Speckle is measured in each
+/// picture (Peaks::speckle); what is told here is taken where too few columns show it, and no peak is judged
+/// as if there were less.
 struct NoiseModel {
   float read_noise_grey{0.8F};          ///< of the camera, quantisation (0.29) included
   float gain_grey_per_electron{0.02F};  ///< full scale at some 12 000 electrons: a CCD of the sensor's kind

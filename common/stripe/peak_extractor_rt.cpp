@@ -54,7 +54,9 @@ void PeakExtractor::rt_extract(const PixelView& frame, Peaks& out) noexcept BITE
     out.columns[column].kept_count = 0;
     out.columns[column].seen_count = state.scratch.candidates.seen_count[column];
   }
-  rt_fit_candidates(rows, state.config, state.scratch, out);
+  rt_fit_candidates(rows, state.config, state.scratch, state.evidence, out);
+  out.speckle = rt_estimate_speckle(rows, state.evidence, state.config.noise, out);
+  rt_judge_speckle(state.evidence, out.speckle, state.config.noise.speckle_contrast, out);
 
   for (int column = 0; column < state.width_px; ++column) {
     ColumnPeaks& peaks = out.columns[static_cast<std::size_t>(column)];

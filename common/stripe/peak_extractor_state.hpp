@@ -74,10 +74,47 @@ void rt_find_candidates(const FrameRows& frame, const SearchPlan& plan,
 /// At most this many columns in one vector of floats.
 inline constexpr std::size_t k_max_lanes = 16;
 
-/// Fits every candidate by the stripe's shape; those whose amplitude is too low are dropped.  Pre: out's
-/// counts are 0.
+/// Variance of a pixel for the weights of the fit, at mean grey value m: read + gain m + (contrast m)^2.
+struct FitWeights {
+  float read_variance_grey2{0};
+  float gain_grey{0};
+  float contrast{0};
+};
+
+/// What a peak's fit knows about its own errors, for one column or a vector of them.  Speckle's part of a
+/// variance is its gain times the speckle's power (Speckle::power_px); the rest is the camera's.
+template <class Value>
+struct FitEvidenceOf {
+  Value misfit;           ///< residual's share of the model's energy, a ratio of heights
+  Value centre_variance;  ///< of the row, px^2, by the camera's noise alone
+  Value centre_gain;      ///< of the row's variance, px
+  Value light_variance;   ///< relative, of the light as rt_estimate_speckle() compares it, likewise
+  Value light_gain;       ///< per pixel
+  Value light_per_width;  ///< relative change of the height that one of the width makes up for in that light
+};
+using FitEvidence = FitEvidenceOf<float>;
+
+/// By column, of the first and second kept peak.
+using Evidence = std::array<std::vector<FitEvidence>, k_kept_peaks>;
+
+/// Fits every candidate by the stripe's shape; those whose amplitude is too low are dropped.  Rows' standard
+/// deviations and k_peak_poor_fit are left to rt_judge_speckle().  Pre: out's counts are 0.
 void rt_fit_candidates(const FrameRows& frame, const PeakConfig& config, const CoarseScratch& scratch,
-                       Peaks& out) noexcept BITELINE_RT;
+                       Evidence& evidence, Peaks& out) noexcept BITELINE_RT;
+
+/// The speckle's contrast at first sight, from the candidates' brightest pixels: good enough for weights.
+[[nodiscard]] float rt_guess_contrast(const Candidates& candidates, int width_px,
+                                      const NoiseModel& expected) noexcept BITELINE_RT;
+
+/// The speckle as the fitted stripe shows it; `expected` where too few columns show any.
+[[nodiscard]] Speckle rt_estimate_speckle(const FrameRows& frame, const Evidence& evidence,
+                                          const NoiseModel& expected,
+                                          const Peaks& peaks) noexcept BITELINE_RT;
+
+/// Gives each peak its standard deviation and, where it is not of the stripe's shape beyond what the speckle
+/// makes of itself, k_peak_poor_fit.
+void rt_judge_speckle(const Evidence& evidence, const Speckle& speckle, float least_contrast,
+                      Peaks& peaks) noexcept BITELINE_RT;
 
 /// Replaces a fitted peak's row by what `mode` says.  Pre: not Matched.
 void rt_apply_mode(const FrameRows& frame, int column, PeakMode mode, Peak& peak) noexcept BITELINE_RT;
@@ -88,6 +125,7 @@ struct PeakExtractor::State {
   int width_px{0};
   int height_px{0};
   CoarseScratch scratch;
+  Evidence evidence;
 };
 
 }  // namespace biteline::stripe

@@ -27,9 +27,13 @@ constexpr float k_skew_noise = 3.0F;
 /// several rows, as in photographs and the sessions; 0.8 (sqrt(2/3)) in white noise, which k_least_skew
 /// covers from 20 grey levels of amplitude on.
 constexpr float k_skew_per_row_noise = 0.4F;
-/// Variance of the mean of n neighbours, over one column's, times n: (1 + r) / (1 - r) with their errors'
-/// correlation r = 0.42 (LineAverageConfig).
-constexpr float k_correlated_columns = 2.45F;
+/// Variance of the mean of n neighbours, over one column's, times n: of errors that correlate as in the
+/// sessions, or as Speckle::neighbour_correlation says where that is more.
+float correlated_columns(float r) {
+  constexpr float k_usual = 2.45F;
+  const float twice = r * r * r * r;
+  return std::max(k_usual, 1 + 2 * (r + twice + twice * twice * r));
+}
 /// Shifted: off the straight line through the columns from k_near_columns to k_far_columns away by so many of
 /// the stripe's standard deviations, and by so many of the row's (that line's own error is two).
 constexpr float k_shift_ratio = 0.5F, k_shift_noise = 3.0F;
@@ -138,14 +142,14 @@ struct Piece {
     const std::size_t from = before(i), to = after(i);
     const float width_px = mean(from, to, width_of), sigma_px = width_px / k_fwhm_per_sigma,
                 sigma_row_px = mean(from, to, sigma_row_of);
+    const float together = correlated_columns(peaks.speckle.neighbour_correlation);
     Skew result;
     const auto look = [&](std::size_t window_from, std::size_t window_to) {
       const float skew = mean(window_from, window_to, skew_of);
       // What is skewed as all of the line is the head's own.
       const float excess = std::min(std::fabs(skew), std::fabs(skew - usual_skew));
-      const float noise =
-          k_skew_per_row_noise * sigma_row_px / sigma_px *
-          std::min(1.0F, std::sqrt(k_correlated_columns / static_cast<float>(window_to - window_from)));
+      const float noise = k_skew_per_row_noise * peaks.speckle.doubt_ratio * sigma_row_px / sigma_px *
+                          std::min(1.0F, std::sqrt(together / static_cast<float>(window_to - window_from)));
       if (excess < std::max(k_least_skew, k_skew_noise * noise)) return;
       if (k_shift_per_skew * excess * sigma_px > result.sigma_px) {
         result.sigma_px = k_shift_per_skew * excess * sigma_px;

@@ -40,9 +40,23 @@ struct ColumnPeaks {
   std::uint8_t seen_count{0};  ///< peaks above the threshold, kept or not; saturates at 255
 };
 
+/// What the laser's coherence makes of a stripe, as the stripe itself shows it.
+struct Speckle {
+  float contrast{0};  ///< standard deviation over mean of one pixel on the stripe's crest
+  /// Contrast squared times the rows that go together: the variance of a mean over n rows is this over n.
+  float power_px{0};
+  /// Correlation of neighbouring columns' errors.
+  float neighbour_correlation{0};
+  /// By so much more than measured the noise may be that NoiseModel expects: what is judged by its shape is
+  /// judged by that.  At least 1.
+  float doubt_ratio{1};
+  bool measured{false};  ///< false: too few columns, the values are those that were expected
+};
+
 /// Fixed capacity; lives where its owner puts it (130 kB: not on a thread's stack).
 struct Peaks {
   int column_count{0};
+  Speckle speckle{};
   std::array<ColumnPeaks, k_max_columns> columns;
 };
 

@@ -72,7 +72,8 @@ void rt_average_along_line(const stripe::LineAverage& average, ExposedStripe& st
                       .joined = selected.joined && sound && previous_sound};
     previous_sound = sound;
   }
-  average.rt_average(std::span{stripe.line}.subspan(0, columns), work);
+  average.rt_average(std::span{stripe.line}.subspan(0, columns), work,
+                     stripe.peaks.speckle.neighbour_correlation);
   for (std::size_t i = 0; i < columns; ++i) {
     const float skew_sigma_px = stripe.selection.columns[i].skew_sigma_px;
     if (skew_sigma_px > 0)

@@ -34,7 +34,8 @@ inline cv::Mat red_above_lamp(const cv::Mat& colour) {
 }
 
 /// Peaks, the choice among them, the average along the line: the sensor's own, for light that is wider and
-/// speckled more than a scanner's.  Points flagged for anything else than a step of brightness are left out.
+/// less of one shape than a scanner's.  Points flagged for anything else than a step of brightness are left
+/// out.
 inline std::vector<SeenPoint> seen_stripe(const cv::Mat& picture) {
   const auto peaks = std::make_unique<Peaks>();
   const auto selection = std::make_unique<Selection>();
@@ -58,7 +59,7 @@ inline std::vector<SeenPoint> seen_stripe(const cv::Mat& picture) {
                .present = true,
                .joined = selected.joined && selected.flags == 0 && u > 0 && is_surface(u - 1)};
   }
-  LineAverage({}).rt_average(line, work);
+  LineAverage({}).rt_average(line, work, peaks->speckle.neighbour_correlation);
   std::vector<SeenPoint> seen;
   for (std::size_t u = 0; u < columns; ++u) {
     if (!line[u].present) continue;

@@ -40,13 +40,13 @@ double row_of(int picture, int u) {
   return 35.0 + 0.37 * picture + 0.0371 * u;
 }
 
-Scores measure(MadeStripe made, float neighbour_correlation) {
+Scores measure(MadeStripe made) {
   std::mt19937_64 random{17};
   made.width_px = k_width_px;
   made.height_px = k_height_px;
   auto extractor =
       stripe::PeakExtractor::create({.threshold_grey = 8, .noise = made.noise}, k_width_px, k_height_px);
-  const stripe::LineAverage average{{.neighbour_correlation = neighbour_correlation}};
+  const stripe::LineAverage average{{}};
   const auto peaks = std::make_unique<stripe::Peaks>();
   std::vector<stripe::LinePoint> line(k_width_px), work(k_width_px);
   std::vector<float> steger(k_width_px);
@@ -70,7 +70,7 @@ Scores measure(MadeStripe made, float neighbour_correlation) {
       scores.single.add(static_cast<double>(peak.row_px) - row_of(picture, static_cast<int>(u)),
                         static_cast<double>(peak.sigma_row_px));
     }
-    average.rt_average(line, work);
+    average.rt_average(line, work, peaks->speckle.neighbour_correlation);
     opencv_steger({.pixels = pixels.data(), .width_px = k_width_px, .height_px = k_height_px}, made.sigma_px,
                   steger);
     for (std::size_t u = 16; u < k_width_px - 16; ++u) {
@@ -120,7 +120,7 @@ int main() {
   for (const double amplitude : {20.0, 40.0, 80.0, 150.0, 250.0}) {
     MadeStripe made;
     made.amplitude = amplitude;
-    const Scores scores = measure(made, 0);
+    const Scores scores = measure(made);
     std::snprintf(what, sizeof what, "amplitude %g", amplitude);
     row(what, scores.single.rms_px(), "Cramer-Rao bound", bound_px(made), 1.15);
     honesty(what, scores.single.normalised());
@@ -131,14 +131,14 @@ int main() {
     made.sigma_px = 3;
     const double half = 0.5 * share * 2.3548;
     made.amplitude = 255 * std::exp(0.5 * half * half);
-    const Scores scores = measure(made, 0);
+    const Scores scores = measure(made);
     std::snprintf(what, sizeof what, "saturated over %g of the width", share);
     row(what, scores.single.rms_px(), "Cramer-Rao bound", bound_px(made), 1.3);
     honesty(what, scores.single.normalised());
   }
   MadeStripe speckled;
   speckled.noise.speckle_contrast = 0.25F;
-  const Scores scores = measure(speckled, 0);
+  const Scores scores = measure(speckled);
   row("speckle 0.25, single column", scores.single.rms_px(), "Cramer-Rao bound", bound_px(speckled), 0);
   row("speckle 0.25, averaged along the line", scores.averaged.rms_px(), "OpenCV Steger",
       scores.steger.rms_px(), 1);

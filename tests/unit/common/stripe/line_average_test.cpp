@@ -3,6 +3,7 @@
 
 #include <CppUTest/TestHarness.h>
 
+#include <array>
 #include <cmath>
 #include <functional>
 #include <random>
@@ -12,7 +13,7 @@ namespace biteline::stripe {
 namespace {
 
 constexpr double k_sigma_px = 0.05;
-constexpr std::size_t k_columns = 4000;
+constexpr std::size_t k_columns = 4000, k_reach = 4;
 
 }  // namespace
 
@@ -24,19 +25,31 @@ TEST_GROUP(LineAverage) {
     double rms_px{0}, normalised_variance{0}, bias_px{0};
   };
 
-  /// Errors of neighbouring columns correlate as `correlation` to the power of their distance.
+  /// Errors blurred along the columns: those of neighbours correlate as `correlation`, farther ones as its
+  /// power of their distance's square.
   Result average(const std::function<double(double)>& row_px, double correlation, std::size_t first,
                  std::size_t end) {
     std::vector<LinePoint> line(k_columns), work(k_columns);
-    double error = normal(random) * k_sigma_px;
+    // A Gaussian of variance v correlates as exp(-distance^2 / (4 v)).
+    std::vector<double> white(k_columns + 2 * k_reach);
+    for (double& value : white) value = normal(random);
+    std::array<double, 2 * k_reach + 1> kernel{};
+    double power = 0;
+    for (std::size_t k = 0; k < kernel.size(); ++k) {
+      const double apart = static_cast<double>(k) - static_cast<double>(k_reach);
+      kernel[k] = correlation > 0 ? std::pow(correlation, 2 * apart * apart) : (k == k_reach ? 1.0 : 0.0);
+      power += kernel[k] * kernel[k];
+    }
     for (std::size_t i = 0; i < k_columns; ++i) {
-      line[i] = {.row_px = static_cast<float>(row_px(static_cast<double>(i)) + error),
+      double error = 0;
+      for (std::size_t k = 0; k < kernel.size(); ++k) error += white[i + k] * kernel[k];
+      line[i] = {.row_px = static_cast<float>(row_px(static_cast<double>(i)) +
+                                              k_sigma_px * error / std::sqrt(power)),
                  .sigma_row_px = static_cast<float>(k_sigma_px),
                  .present = true,
                  .joined = i > 0};
-      error = correlation * error + std::sqrt(1 - correlation * correlation) * k_sigma_px * normal(random);
     }
-    LineAverage{{.neighbour_correlation = static_cast<float>(correlation)}}.rt_average(line, work);
+    LineAverage{{}}.rt_average(line, work, static_cast<float>(correlation));
     Result result;
     const auto count = static_cast<double>(end - first);
     for (std::size_t i = first; i < end; ++i) {
@@ -81,7 +94,7 @@ TEST(LineAverage, NothingIsTakenAcrossAGap) {
     line[i] = {
         .row_px = i < 20 ? 10.0F : 10.1F, .sigma_row_px = 1.0F, .present = true, .joined = i != 0 && i != 20};
   }
-  LineAverage{{}}.rt_average(line, work);
+  LineAverage{{}}.rt_average(line, work, 0.42F);
   for (std::size_t i = 0; i < 40; ++i)
     DOUBLES_EQUAL(i < 20 ? 10.0 : 10.1, static_cast<double>(line[i].row_px), 1e-5);
 }
@@ -90,7 +103,7 @@ TEST(LineAverage, EndsOfAStretchAreLeftAsTheyAre) {
   std::vector<LinePoint> line(30), work(30);
   for (std::size_t i = 0; i < 30; ++i)
     line[i] = {.row_px = static_cast<float>(i % 3), .sigma_row_px = 5, .present = true, .joined = i > 0};
-  LineAverage{{}}.rt_average(line, work);
+  LineAverage{{}}.rt_average(line, work, 0.42F);
   DOUBLES_EQUAL(0, static_cast<double>(line[0].row_px), 0);
   DOUBLES_EQUAL(5, static_cast<double>(line[0].sigma_row_px), 0);
   CHECK(line[15].sigma_row_px < 5);

@@ -66,8 +66,7 @@ TEST_GROUP(ProfilePipeline) {
 TEST(ProfilePipeline, PointsLieWhereTheDirectFormulaPutsTheStripe) {
   MadeStripe stripe = made();
   stripe.row_px = [](int u) { return 60 + 0.1 * u; };
-  ProfilePipeline sut =
-      create({.peaks = {.noise = stripe.noise}, .line_average = {.neighbour_correlation = 0}});
+  ProfilePipeline sut = create({.peaks = {.noise = stripe.noise}});
   CHECK(process(sut, stripe::test::picture(stripe, random)));
   LONGS_EQUAL(k_width_px, out->count);
   CHECK(out->header.flags == profile::k_profile_pose_missing);
