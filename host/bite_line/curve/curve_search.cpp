@@ -44,6 +44,10 @@ class Open {
   std::size_t first_{0};
 };
 
+int round_col(int col, int cols) {
+  return ((col % cols) + cols) % cols;
+}
+
 std::size_t turned(std::size_t direction, int by) {
   return (direction + k_directions + static_cast<std::size_t>(by + static_cast<int>(k_directions))) %
          k_directions;
@@ -116,22 +120,40 @@ CurveSearch::CurveSearch(const CurveCosts& costs, const CurveConfig& config)
   const int apart_rows = static_cast<int>(config.apart_mm / Raster::k_cell_mm);
   for (int col = 0; col < costs.cols; ++col) best.push_back(best_of_column(costs, col, apart_rows));
   begin_col_ = surest_col(best);
-  // The least of three columns: then no step over two of them is cheaper than the bound says.
-  const int all = costs.cols + 2 * pad_cols_ + 1;
-  bound_.assign(static_cast<std::size_t>(all), 0.0F);
-  const auto least_at = [&](int col) {
-    float least = k_out_of_reach;
-    for (int c = col - 1; c <= col + 1; ++c)
-      least =
-          std::min(least, best[static_cast<std::size_t>(((c % costs.cols) + costs.cols) % costs.cols)].least);
-    return least;
+  for (std::size_t k = 0; k < k_directions; ++k) half_step_mm_[k] = static_cast<float>(0.5 * length_mm(k));
+  for (int col = 0; col < costs.cols + 2 * pad_cols_ + 1; ++col)
+    first_cell_.push_back(costs.at(0, round_col(begin_col_ - pad_cols_ + col, costs.cols)));
+  to_end_ = bounds(Sense::Ahead);
+}
+
+Large<float> CurveSearch::bounds(Sense sense) const {
+  const int rows = costs_.rows, all = static_cast<int>(first_cell_.size());
+  const int from_col = sense == Sense::Ahead ? costs_.cols + pad_cols_ : pad_cols_;
+  const int sign = sense == Sense::Ahead ? -1 : 1;
+  Large<float> least(static_cast<std::size_t>(rows) * static_cast<std::size_t>(all));
+  std::fill(least.begin(), least.end(), k_out_of_reach);
+  const auto at = [&](int row, int col) {
+    return static_cast<std::size_t>(col) * static_cast<std::size_t>(rows) + static_cast<std::size_t>(row);
   };
-  for (int col = costs.cols + pad_cols_ - 1; col >= 0; --col) {
-    const int of_side = begin_col_ + col - pad_cols_;
-    const float step = 0.5F * (least_at(of_side) + least_at(of_side + 1));
-    bound_[static_cast<std::size_t>(col)] =
-        bound_[static_cast<std::size_t>(col + 1)] + static_cast<float>(Raster::k_cell_mm) * step;
+  Open open;
+  for (int row = 0; row < rows; ++row) {
+    least[at(row, from_col)] = 0;
+    open.push(0, static_cast<std::uint32_t>(at(row, from_col)));
   }
+  std::uint32_t here = 0;
+  while (open.pop(here)) {
+    const int col = static_cast<int>(here) / rows, row = static_cast<int>(here) % rows;
+    for (std::size_t k = 0; k < k_directions; ++k) {
+      const int r = row + sign * k_cell_steps[k].rows, c = col + sign * k_cell_steps[k].cols;
+      if (r < 0 || r >= rows || c < 0 || c >= all) continue;
+      const float sum = least[here] + step_cost(k, row, col, r, c);
+      float& there = least[at(r, c)];
+      if (sum >= there) continue;
+      there = sum;
+      open.push(sum, static_cast<std::uint32_t>(at(r, c)));
+    }
+  }
+  return least;
 }
 
 std::size_t CurveSearch::index(const CurveState& state) const {
@@ -148,64 +170,56 @@ CurveState CurveSearch::state_of(std::size_t index) const {
           .direction = index % k_directions};
 }
 
-std::size_t CurveSearch::cell(int row, int col) const {
-  const int cols = costs_.cols;
-  return costs_.at(row, ((col % cols) + cols) % cols);
+float CurveSearch::step_cost(std::size_t direction, int row, int col, int to_row, int to_col) const {
+  const Large<float>& per_mm = costs_.per_mm[direction];
+  const std::size_t here = first_cell_[static_cast<std::size_t>(col)] + static_cast<std::size_t>(row);
+  const std::size_t there = first_cell_[static_cast<std::size_t>(to_col)] + static_cast<std::size_t>(to_row);
+  return half_step_mm_[direction] * (per_mm[here] + per_mm[there]);
 }
 
 template <class Reach>
 void CurveSearch::for_next(Sense sense, std::size_t index_here, float total, Reach&& reach) const {
-  const CurveState here = state_of(index_here);
-  const int first_col = begin_col_ - pad_cols_, last_col = begin_col_ + costs_.cols + pad_cols_;
-  const auto step_cost = [&](std::size_t k, int row, int col, int to_row, int to_col) {
-    const Large<float>& per_mm = costs_.per_mm[k];
-    return static_cast<float>(length_mm(k)) * 0.5F * (per_mm[cell(row, col)] + per_mm[cell(to_row, to_col)]);
-  };
-  const auto inside = [&](int row, int col) {
-    return row >= 0 && row < costs_.rows && col >= first_col && col < last_col;
+  const std::size_t direction = index_here % k_directions, place = index_here / k_directions;
+  const int rows = costs_.rows, all = static_cast<int>(first_cell_.size());
+  const int here_col = static_cast<int>(place) / rows, here_row = static_cast<int>(place) % rows;
+  const auto next = [&](std::size_t k, int sign, auto&& use) {
+    const int row = here_row + sign * k_cell_steps[k].rows, col = here_col + sign * k_cell_steps[k].cols;
+    if (row < 0 || row >= rows || col < 0 || col >= all) return;
+    use(static_cast<std::size_t>(col) * static_cast<std::size_t>(rows) + static_cast<std::size_t>(row),
+        total + step_cost(k, here_row, here_col, row, col));
   };
   if (sense == Sense::Ahead) {
-    const CellStep step = k_cell_steps[here.direction];
-    const int row = here.row + step.rows, col = here.col + step.cols;
-    if (!inside(row, col)) return;
-    const float there = total + step_cost(here.direction, here.row, here.col, row, col);
-    for (int turn = -k_most_turn; turn <= k_most_turn; ++turn) {
-      const float bend = bend_[here.direction][static_cast<std::size_t>(turn + k_most_turn)];
-      reach(index({row, col, turned(here.direction, turn)}), col, there + bend,
-            static_cast<std::int8_t>(turn));
-    }
+    next(direction, 1, [&](std::size_t there, float sum) {
+      for (int turn = -k_most_turn; turn <= k_most_turn; ++turn) {
+        const float bend = bend_[direction][static_cast<std::size_t>(turn + k_most_turn)];
+        reach(there, turned(direction, turn), sum + bend, static_cast<std::int8_t>(turn));
+      }
+    });
     return;
   }
   for (int turn = -k_most_turn; turn <= k_most_turn; ++turn) {
-    const std::size_t k = turned(here.direction, -turn);
-    const int row = here.row - k_cell_steps[k].rows, col = here.col - k_cell_steps[k].cols;
-    if (!inside(row, col)) continue;
+    const std::size_t k = turned(direction, -turn);
     const float bend = bend_[k][static_cast<std::size_t>(turn + k_most_turn)];
-    reach(index({row, col, k}), col, total + bend + step_cost(k, row, col, here.row, here.col),
-          static_cast<std::int8_t>(turn));
+    next(k, -1,
+         [&](std::size_t there, float sum) { reach(there, k, sum + bend, static_cast<std::int8_t>(turn)); });
   }
 }
 
-CurveSearch::Totals CurveSearch::sweep(Sense sense, const Ends& ends) const {
+CurveSearch::Totals CurveSearch::sweep(Sense sense, const Ends& ends, const Large<float>& bound) const {
   Totals totals;
-  const std::size_t states = bound_.size() * static_cast<std::size_t>(costs_.rows) * k_directions;
+  const std::size_t states = bound.size() * k_directions;
   totals.total.resize(states);
   std::fill(totals.total.begin(), totals.total.end(), k_out_of_reach);
   totals.turn.resize(states);
   std::vector<std::uint8_t> goal(ends.all ? 0 : states, 0);
   if (!ends.all)
     for (const CurveState& state : ends.to) goal[index(state)] = 1;
-  const float begin_bound = bound_[static_cast<std::size_t>(pad_cols_)];
-  const auto left_at = [&](int col) {
-    const float bound = bound_[static_cast<std::size_t>(col - begin_col_ + pad_cols_)];
-    return sense == Sense::Ahead ? bound : std::max(0.0F, begin_bound - bound);
-  };
   Open open;
   for (const CurveState& state : ends.from) {
     const std::size_t at = index(state);
     totals.total[at] = 0;
     totals.turn[at] = k_begins;
-    open.push(left_at(state.col), static_cast<std::uint32_t>(at));
+    open.push(bound[at / k_directions], static_cast<std::uint32_t>(at));
   }
   std::vector<std::uint8_t> done(states, 0);
   std::uint32_t here = 0;
@@ -217,14 +231,16 @@ CurveSearch::Totals CurveSearch::sweep(Sense sense, const Ends& ends) const {
       totals.reached = true;
       break;
     }
-    for_next(sense, here, totals.total[here], [&](std::size_t there, int col, float total, std::int8_t turn) {
-      const float key = total + left_at(col);
-      if (total >= totals.total[there] || key > ends.limit) return;
-      totals.total[there] = total;
-      totals.turn[there] = turn;
-      done[there] = 0;
-      open.push(key, static_cast<std::uint32_t>(there));
-    });
+    for_next(sense, here, totals.total[here],
+             [&](std::size_t place, std::size_t direction, float total, std::int8_t turn) {
+               const float key = total + bound[place];
+               const std::size_t there = place * k_directions + direction;
+               if (total >= totals.total[there] || key >= ends.limit) return;
+               totals.total[there] = total;
+               totals.turn[there] = turn;
+               done[there] = 0;
+               open.push(key, static_cast<std::uint32_t>(there));
+             });
   }
   return totals;
 }
@@ -247,9 +263,11 @@ std::vector<CurveState> CurveSearch::traced(const Totals& totals) const {
 }
 
 std::optional<ClosedCurve> CurveSearch::closed_at(int row, float limit) const {
-  const Totals totals = sweep(Sense::Ahead, {.from = states_at(row, begin_col_, k_most_turn),
-                                             .to = states_at(row, begin_col_ + costs_.cols, k_most_turn),
-                                             .limit = limit});
+  const Totals totals = sweep(Sense::Ahead,
+                              {.from = states_at(row, begin_col_, k_most_turn),
+                               .to = states_at(row, begin_col_ + costs_.cols, k_most_turn),
+                               .limit = limit},
+                              to_end_);
   if (!totals.reached) return std::nullopt;
   ClosedCurve curve{.states = traced(totals), .energy = static_cast<double>(totals.total[totals.end])};
   curve.states.pop_back();
@@ -263,7 +281,7 @@ std::optional<ClosedCurve> CurveSearch::through_column(const std::vector<int>& r
     for (const CurveState& state : states_at(row, begin_col_ + costs_.cols, k_most_turn))
       ends.to.push_back(state);
   }
-  const Totals open = sweep(Sense::Ahead, ends);
+  const Totals open = sweep(Sense::Ahead, ends, to_end_);
   if (!open.reached) return std::nullopt;
   std::vector<CurveState> states = traced(open);
   const int first = states.front().row, last = states.back().row;
@@ -301,14 +319,16 @@ Large<float> CurveSearch::excess_about(const ClosedCurve& curve) const {
   const std::vector<CurveState> end = states_at(row, begin_col_ + costs_.cols, k_most_turn);
   Totals ahead, back;
   tbb::parallel_invoke(
-      [&] { ahead = sweep(Sense::Ahead, {.from = begin, .to = {}, .limit = limit, .all = true}); },
-      [&] { back = sweep(Sense::Back, {.from = end, .to = {}, .limit = limit, .all = true}); });
+      [&] { ahead = sweep(Sense::Ahead, {.from = begin, .to = {}, .limit = limit, .all = true}, to_end_); },
+      [&] {
+        back = sweep(Sense::Back, {.from = end, .to = {}, .limit = limit, .all = true}, bounds(Sense::Back));
+      });
   Large<float> excess(static_cast<std::size_t>(costs_.rows) * static_cast<std::size_t>(costs_.cols));
   std::fill(excess.begin(), excess.end(), k_out_of_reach);
   for (std::size_t state = 0; state < ahead.total.size(); ++state) {
     if (ahead.total[state] == k_out_of_reach || back.total[state] == k_out_of_reach) continue;
     const CurveState at = state_of(state);
-    float& least = excess[cell(at.row, at.col)];
+    float& least = excess[costs_.at(at.row, round_col(at.col, costs_.cols))];
     least = std::clamp(ahead.total[state] + back.total[state] - energy, 0.0F, least);
   }
   return excess;

@@ -34,9 +34,9 @@ struct CurveConfig {
   float rival_excess{30.0F};
 };
 
-/// Dijkstra's search over (place, direction), begun and closed on one column.  The sum of the cheapest places
-/// of the columns ahead bounds what is left (Hart, Nilsson, Raphael 1968), so that little beside good curves
-/// is looked at.  The energy is that of Mirebeau 2018 on a grid; closing by one column cut: Appleton, Sun
+/// Dijkstra's search over (place, direction), begun and closed on one column.  The same without bends, over
+/// places alone, bounds what is left (Hart, Nilsson, Raphael 1968), so that little beside good curves is
+/// looked at.  The energy is that of Mirebeau 2018 on a grid; closing by one column cut: Appleton, Sun
 /// 2003.
 class CurveSearch {
  public:
@@ -66,7 +66,10 @@ class CurveSearch {
     float limit;      ///< what costs more is left out
     bool all{false};  ///< not only up to the first end that is reached
   };
-  [[nodiscard]] Totals sweep(Sense sense, const Ends& ends) const;
+  /// Per unrolled cell: what leads from it to the end's column costs at least (ahead), or to it from the
+  /// begin's one (back), bends being free.
+  [[nodiscard]] Large<float> bounds(Sense sense) const;
+  [[nodiscard]] Totals sweep(Sense sense, const Ends& ends, const Large<float>& bound) const;
   template <class Reach>
   void for_next(Sense sense, std::size_t state, float total, Reach&& reach) const;
   [[nodiscard]] std::vector<CurveState> states_at(int row, int col, int about) const;
@@ -76,14 +79,16 @@ class CurveSearch {
 
   [[nodiscard]] std::size_t index(const CurveState& state) const;
   [[nodiscard]] CurveState state_of(std::size_t index) const;
-  [[nodiscard]] int begin_col() const { return begin_col_; }
-  [[nodiscard]] std::size_t cell(int row, int col) const;
+  /// Columns are those of the unrolled side.
+  [[nodiscard]] float step_cost(std::size_t direction, int row, int col, int to_row, int to_col) const;
 
   const CurveCosts& costs_;
   CurveConfig config_;
   int begin_col_{0};
   int pad_cols_{0};
-  std::vector<float> bound_;  ///< per unrolled column: what the way from it to the end costs at least
+  std::vector<std::size_t> first_cell_;  ///< of the side, per unrolled column
+  Large<float> to_end_;
+  std::array<float, k_directions> half_step_mm_;
   std::array<std::array<float, 5>, k_directions> bend_;  ///< by direction and turn -2 to 2
 };
 

@@ -106,7 +106,7 @@ class PlaneFit {
     const PlaneSums sums = sums_about(row, col);
     if (sums.w < k_least_weight) return;
     const float x = sums.x / sums.w, z = sums.z / sums.w, o = sums.o / sums.w;
-    if (std::hypot(x, z) > k_farthest) return;
+    if (x * x + z * z > k_farthest * k_farthest) return;
     const float xx = sums.xx / sums.w - x * x + k_least_spread;
     const float zz = sums.zz / sums.w - z * z + k_least_spread;
     const float xz = sums.xz / sums.w - x * z;
