@@ -135,8 +135,14 @@ std::vector<LinePoint> led_stretch(const ClosedLine& placed, const ClosedLine& l
         led && std::ranges::any_of(set_mm, [&](double mm) { return std::abs(way_mm[i] - mm) <= k_near_mm; });
     if (word.chosen || near) mark_by_hand(points[i]);
   }
-  points.front() = first;
-  points.back() = last;
+  // Its own figures stay: an end may be as unsure as what is mended was.
+  const auto join = [](LinePoint& point, const LinePoint& end) {
+    point.position = end.position;
+    point.normal = end.normal;
+    point.tangent = end.tangent;
+  };
+  join(points.front(), first);
+  join(points.back(), last);
   return points;
 }
 
@@ -167,7 +173,8 @@ std::vector<LinePoint> bridged_stretch(const ClosedLine& line, Ends ends) {
         bite_line::gap_doubt(std::min(share, 1 - share) * chord_mm, chord_mm, arc.turn_rad());
     bite_line::PlacedStation station;
     station.doubt = doubt;
-    point.confidence = 1 / (1 + doubt);
+    // An end that is doubted itself says nothing of the bridge.
+    point.confidence = std::min(std::max(point.confidence, k_hand_confidence), 1 / (1 + doubt));
     point.u95_mm =
         uncertainty::u95_mm(uncertainty::principal_axes(bite_line::spread_of(station).covariance_mm2), 1, 0);
     point.source = PointSource::Bridged;

@@ -13,7 +13,7 @@ from programs import PATIENCE_S, Program, comes_true
 
 NAMES = (
     "map heartbeat step ready busy done taken finished verdict job model sent followed refusal scan starts ok amber refused "
-    "failed length_mm u95_um confidence"
+    "failed length_mm u95_um confidence review"
 ).split()
 READY, STOPPED, AWAY = 1, 6, 0
 JOBS = "jobs:\n  1: {}\n  2: {process: grind}\n  7: {model: not-there}\n"

@@ -8,7 +8,7 @@ namespace biteline::bite_line {
 TEST_GROUP(BiteLineRefused){};
 
 TEST(BiteLineRefused, EveryCodeHasItsRow) {
-  test::check_refusal_table(Refused::TooMuchBridged);
+  test::check_refusal_table(Refused::NotSure);
 }
 
 }  // namespace biteline::bite_line
