@@ -288,7 +288,8 @@ void Soak::settle_scripts(const ScanAccount& account) {
   const bool sent = account.outcome == Outcome::Followed || account.outcome == Outcome::Halted ||
                     account.outcome == Outcome::Abandoned;
   if (!scripts_.empty() && !account.permitted) find("a path was sent that the gate did not permit");
-  if (account.outcome == Outcome::Followed && !account.own_arm) find("a path was planned for the nominal arm");
+  if (account.outcome == Outcome::Followed && !account.own_arm)
+    find("a path was planned for the nominal arm");
   if (sent && scripts_.empty()) find("a path is said to be followed that nobody sent");
   if (scripts_.size() > 1) find("a path was sent twice");
   for (const std::string& script : scripts_) {
