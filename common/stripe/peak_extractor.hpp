@@ -29,6 +29,9 @@ struct NoiseModel {
   float speckle_contrast{0.1F};         ///< per pixel, after the optics have averaged over grains
   /// Rows that share their speckle: the optics' blur in pixels.  1: every pixel its own.
   float speckle_grain_px{2.9F};
+  /// So much is believed at least, however even the light: a colour filter's interpolation and JPEG smooth
+  /// the light along a stripe, and not its place.  0: what is measured.
+  float speckle_contrast_min{0};
 };
 
 struct PeakConfig {

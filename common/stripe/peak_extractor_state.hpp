@@ -102,10 +102,6 @@ using Evidence = std::array<std::vector<FitEvidence>, k_kept_peaks>;
 void rt_fit_candidates(const FrameRows& frame, const PeakConfig& config, const CoarseScratch& scratch,
                        Evidence& evidence, Peaks& out) noexcept BITELINE_RT;
 
-/// The speckle's contrast at first sight, from the candidates' brightest pixels: good enough for weights.
-[[nodiscard]] float rt_guess_contrast(const Candidates& candidates, int width_px,
-                                      const NoiseModel& expected) noexcept BITELINE_RT;
-
 /// The speckle as the fitted stripe shows it; `expected` where too few columns show any.
 [[nodiscard]] Speckle rt_estimate_speckle(const FrameRows& frame, const Evidence& evidence,
                                           const NoiseModel& expected,

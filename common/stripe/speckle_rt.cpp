@@ -150,23 +150,6 @@ float passed_by_neighbours(float r) {
 
 }  // namespace
 
-float rt_guess_contrast(const Candidates& candidates, int width_px,
-                        const NoiseModel& expected) noexcept BITELINE_RT {
-  LogMedian squares;
-  const std::vector<std::uint8_t>& top = candidates.value[0];
-  const std::vector<std::uint8_t>& seen = candidates.seen_count;
-  for (std::size_t i = 2 * k_lag_columns; i < static_cast<std::size_t>(width_px); i += 2 * k_step_columns) {
-    const std::size_t middle = i - k_lag_columns, before = middle - k_lag_columns;
-    if (seen[i] == 0 || seen[middle] == 0 || seen[before] == 0) continue;
-    const int highest = std::max({top[before], top[middle], top[i]});
-    if (highest == 255) continue;
-    const float ratio = difference(top[before], top[middle], top[i]);
-    squares.rt_add(ratio * ratio + 1e-6F);
-  }
-  if (squares.count() < k_least_columns / 2) return expected.speckle_contrast;
-  return std::sqrt(squares.value() / (k_difference_variance * k_median_of_square));
-}
-
 Speckle rt_estimate_speckle(const FrameRows& frame, const Evidence& evidence, const NoiseModel& expected,
                             const Peaks& peaks) noexcept BITELINE_RT {
   LightPower far, near;
@@ -188,7 +171,9 @@ Speckle rt_estimate_speckle(const FrameRows& frame, const Evidence& evidence, co
                   .neighbour_correlation = k_usual_correlation};
   if (far.count() < k_least_columns || near.count() < k_least_columns) return speckle;
   speckle.measured = true;
-  speckle.power_px = far.value_px() / k_difference_variance;
+  speckle.power_px =
+      std::max(far.value_px() / k_difference_variance,
+               expected.speckle_contrast_min * expected.speckle_contrast_min * expected.speckle_grain_px);
   speckle.contrast = std::sqrt(std::max(
       0.0F, crest_squares.value() / (k_median_of_square * k_difference_variance) - crest_noise.value()));
   speckle.doubt_ratio = std::sqrt(std::max(1.0F, expected_power_px / speckle.power_px));

