@@ -249,7 +249,13 @@ class Cell:
         for _ in range(8):
             before = self.newest()
             self.start(hold=True)
-            comes_true(lambda: self.state()["held"] or self.newest() != before, "the scan's result")
+
+            # A row may be there before the path is planned, and that of an older scan may come late.
+            def decided():
+                state = self.state()
+                return state["held"] or (state["phase"] == "waiting" and self.newest() != before)
+
+            comes_true(decided, "the scan's result")
             scan = self.state()["held"]
             if scan is None:
                 continue
