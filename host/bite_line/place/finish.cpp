@@ -54,7 +54,8 @@ void flag_for_review(const Refusal& why, cloud::ClosedLine& line) {
     }
   };
   if (why.code == Refused::TooMuchBridged || why.code == Refused::NoCreaseAllRound) flag(false);
-  if (!cloud::flagged_of(line).too_much()) flag(true);
+  // By the flags alone, as whoever plans a path along it reads them.
+  if (cloud::flagged_share(line) <= cloud::k_most_flagged_share) flag(true);
 }
 
 Candidate candidate_of(const JudgedPath& path, const Side& side) {
