@@ -69,7 +69,7 @@ Result<std::optional<LineStep>> heed_pictures(const fs::path& folder, const inta
     return consistency::check_pictures({scan.cloud.points, scan.cloud.profile, poses}, scan.sensor.model,
                                        {.head = known.head, .arm = known.arm});
   });
-  report.fields["picture_check"] = consistency::as_json(pictures);
+  report.fields["picture_check"] = consistency::as_json(pictures, scan.sensor.camera_state.told());
   const auto refusal = consistency::refusal_of(pictures);
   if (!refusal) return std::optional<LineStep>{};
   BITELINE_TRY(results::write_refused_result(folder, scan.cloud, report::told(*refusal), report));

@@ -153,7 +153,13 @@ Result<ExitStatus> replay(ReplayOptions options, const GlobalOptions& global) {
                                                   .code = intake::Refused::ScanNotComplete,
                                                   .reason = "the scan is not complete: " + *scan.lacks}));
 
-  report.fields["picture_check"] = consistency::as_json(pictures);
+  const bool state_compared = run.sensor.camera_state.told();
+  report.fields["picture_check"] = consistency::as_json(pictures, state_compared);
+  if (consistency::vouched_by(pictures, state_compared) == consistency::VouchedBy::Nobody && !global.quiet) {
+    std::fprintf(stderr,
+                 "biteline: nobody vouches for the pictures' place: no camera state was recorded; %s\n",
+                 pictures.words.c_str());
+  }
   report.fields["input"] = input_name;
   report.fields["scan"] = intake::account_of(run.counts, run.sensor_counters, run.sensor_stages);
   report.fields["frames_per_s"] =

@@ -29,7 +29,7 @@ constexpr double k_rare = 3.719;
 /// One in ten thousand of a normal distribution, on both sides: 3.891 squared.
 constexpr double k_moved_limit = 15.14;
 /// About a millimetre at the shoe.
-constexpr double k_most_rows = 12;
+constexpr double k_most_px = 12;
 
 /// Wilson and Hilferty, "The distribution of chi-square", 1931.
 double rare_chi_square(double freedom) {
@@ -128,7 +128,11 @@ void look_for_move(const std::vector<Weighted>& rows, const Variance& variance_m
   const Eigen::Matrix2d seen = PtWP - HtWP.transpose() * solver.solve(HtWP);
   const Vec2 pull = PtWd - HtWP.transpose() * solver.solve(HtWd);
   agreement.moved_limit = k_moved_limit;
-  if (seen(1, 1) > 0) agreement.tells_rows = std::sqrt(k_moved_limit / seen(1, 1));
+  const auto tells = [&](int i) {
+    return seen(i, i) > 0 ? std::optional{std::sqrt(k_moved_limit / seen(i, i))} : std::nullopt;
+  };
+  agreement.tells_columns = tells(0);
+  agreement.tells_rows = tells(1);
   for (int i = 0; i < 2; ++i) {
     if (!(seen(i, i) > 0)) continue;
     agreement.moved_px[i] = pull[i] / seen(i, i);
@@ -142,8 +146,12 @@ bool Agreement::enough() const {
   return places >= k_least_places && profiles >= k_least_profiles;
 }
 
+bool Agreement::rows_agree() const {
+  return enough() && !contradicts() && tells_rows && *tells_rows <= k_most_px;
+}
+
 bool Agreement::agrees() const {
-  return enough() && !contradicts() && tells_rows && *tells_rows <= k_most_rows;
+  return rows_agree() && tells_columns && *tells_columns <= k_most_px;
 }
 
 double Agreement::allowed_mm() const {

@@ -20,14 +20,17 @@ struct Agreement {
   /// What of it pictures moved by rows alone would make, or by columns alone: each of one degree of freedom.
   Vec2 moved_statistic{Vec2::Zero()};
   double moved_limit{0};
-  Vec2 moved_px{Vec2::Zero()};         ///< where they would be then: columns, rows
-  std::optional<double> tells_rows{};  ///< pictures moved by so many rows are told; none: it sees no row
+  Vec2 moved_px{Vec2::Zero()};  ///< where they would be then: columns, rows
+  /// Pictures moved by so many columns or rows are told; none: it sees none of them.
+  std::optional<double> tells_columns{}, tells_rows{};
 
   [[nodiscard]] bool enough() const;  ///< places to say anything
   [[nodiscard]] bool contradicts() const {
     return enough() && (statistic > limit || moved_statistic.maxCoeff() > moved_limit);
   }
-  /// Enough, and a picture that is moved by a millimetre at the shoe would not have agreed.
+  /// Enough, and pictures whose rows are moved by a millimetre at the shoe would not have agreed.
+  [[nodiscard]] bool rows_agree() const;
+  /// The same of rows and of columns.
   [[nodiscard]] bool agrees() const;
   /// That much may be between the two views.
   [[nodiscard]] double allowed_mm() const;

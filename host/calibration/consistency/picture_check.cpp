@@ -121,14 +121,14 @@ class Looks {
   /// Where the pictures are moved to, if that alone explains it: columns, rows.
   [[nodiscard]] std::optional<Vec2> moved(Agreement told) const {
     constexpr int k_rounds = 6;
-    constexpr double k_most_step = 15, k_most_px = 150;
+    constexpr double k_most_step = 15, k_farthest_px = 150;
     Vec2 px = Vec2::Zero();
     // The one that explains more; both together may not be told apart.
     int by = 1;
     for (int round = 0; round < k_rounds && told.contradicts(); ++round) {
       by = told.moved_statistic[1] < told.moved_statistic[0] ? 0 : 1;
       px[by] += std::clamp(told.moved_px[by], -k_most_step, k_most_step);
-      if (!(px.norm() < k_most_px)) return std::nullopt;
+      if (!(px.norm() < k_farthest_px)) return std::nullopt;
       const ProfilePoints placed = place_taken_back(view(thin_), head_, px);
       told = agreement(view(placed));
     }
@@ -204,6 +204,20 @@ PictureCheck check_pictures(const drift::ScanView& scan, const geometry::SensorM
                                   .view()};
     return check;
   }
+  if (told.rows_agree()) {
+    // A shoe's top shows rows, and hardly a column: those move the places along the surface.
+    check.words =
+        std::string{FixedText<200>::format("%zu places seen from two directions agree to %.3f mm, ",
+                                           told.places, told.apart_mm)
+                        .view()} +
+        (told.tells_columns ? std::string{FixedText<120>::format(
+                                              "but would with pictures moved by fewer than %.0f columns, too",
+                                              *told.tells_columns)
+                                              .view()}
+                            : std::string{"but would with pictures moved along their rows, too"}) +
+        ": let it make a check lap";
+    return check;
+  }
   check.table_profiles = looks.table_profiles();
   if (const auto explained = looks.explained(k_well_mm, check.table_profiles == 0)) {
     check.status = Status::Contradict;
@@ -228,10 +242,28 @@ std::optional<Refusal> refusal_of(const PictureCheck& check) {
   return Refusal{.code = Refused::NotAsCalibrated, .reason = check.words};
 }
 
-nlohmann::ordered_json as_json(const PictureCheck& check) {
+VouchedBy vouched_by(const PictureCheck& check, bool camera_state_compared) {
+  if (camera_state_compared) return VouchedBy::CameraState;
+  return check.status == PictureCheck::Status::Agree ? VouchedBy::Places : VouchedBy::Nobody;
+}
+
+std::string_view to_string(VouchedBy by) {
+  switch (by) {
+    case VouchedBy::Places:
+      return "places";
+    case VouchedBy::CameraState:
+      return "camera_state";
+    case VouchedBy::Nobody:
+      return "nobody";
+  }
+  return "";
+}
+
+nlohmann::ordered_json as_json(const PictureCheck& check, bool camera_state_compared) {
   const Agreement& told = check.as_told;
   nlohmann::ordered_json json{{"status", to_string(check.status)},
                               {"words", check.words},
+                              {"vouched_by", to_string(vouched_by(check, camera_state_compared))},
                               {"places", told.places},
                               {"profiles", told.profiles}};
   if (told.enough()) {
@@ -241,6 +273,7 @@ nlohmann::ordered_json as_json(const PictureCheck& check) {
     json["limit"] = told.limit;
     json["moved_statistic"] = told.moved_statistic.maxCoeff();
     json["moved_limit"] = told.moved_limit;
+    if (told.tells_columns) json["tells_columns"] = *told.tells_columns;
     if (told.tells_rows) json["tells_rows"] = *told.tells_rows;
   }
   if (check.table_profiles > 0) json["table_profiles"] = check.table_profiles;

@@ -44,7 +44,17 @@ struct PictureCheck {
 /// Of pictures that contradict themselves: their line is none.
 [[nodiscard]] std::optional<Refusal> refusal_of(const PictureCheck& check);
 
+/// Who says that the pictures came as the head was calibrated.  With neither a moved picture gives a sure,
+/// wrong line.
+enum class VouchedBy : std::uint8_t {
+  Places,       ///< what was seen from two directions
+  CameraState,  ///< the camera told it, and it was compared with the calibration
+  Nobody,
+};
+[[nodiscard]] VouchedBy vouched_by(const PictureCheck& check, bool camera_state_compared);
+[[nodiscard]] std::string_view to_string(VouchedBy by);
+
 /// `picture_check` of report.json.
-[[nodiscard]] nlohmann::ordered_json as_json(const PictureCheck& check);
+[[nodiscard]] nlohmann::ordered_json as_json(const PictureCheck& check, bool camera_state_compared);
 
 }  // namespace biteline::consistency

@@ -17,6 +17,7 @@ constexpr int k_stretches = 6, k_profiles = 10, k_places = 6;
 /// Places as the model has them: head off by its standard deviations times `head`, arm new in each stretch.
 struct Drawn {
   double head{1}, arm_mm{0.03}, noise_mm{0.015}, rows{0};
+  double per_column_mm{0.001};  ///< a column moves a place by so much, one way or the other
   unsigned seed{1};
 };
 
@@ -30,12 +31,13 @@ std::vector<Crossing> drawn(const Drawn& draw) {
     // Both views' errors.
     const double arm_mm = std::sqrt(2.0) * draw.arm_mm * normal(random);
     for (int i = 0; i < k_profiles * k_places; ++i) {
-      Crossing crossing{.apart_mm = 0,
-                        .moves = SpreadRow::Zero(),
-                        .per_px = Eigen::RowVector2d{0.001 * normal(random), 0.02 + 0.002 * normal(random)},
-                        .pose_sigma_mm = 0,
-                        .frame = static_cast<std::uint32_t>(stretch * k_profiles + i / k_places),
-                        .time_s = 0.2 * stretch + 0.1};
+      Crossing crossing{
+          .apart_mm = 0,
+          .moves = SpreadRow::Zero(),
+          .per_px = Eigen::RowVector2d{draw.per_column_mm * normal(random), 0.02 + 0.002 * normal(random)},
+          .pose_sigma_mm = 0,
+          .frame = static_cast<std::uint32_t>(stretch * k_profiles + i / k_places),
+          .time_s = 0.2 * stretch + 0.1};
       crossing.moves.head<3>() << 0.02 * normal(random), 0.02 + 0.01 * normal(random), 0.01 * normal(random);
       crossing.apart_mm = crossing.moves.head<3>() * z + arm_mm + draw.noise_mm * normal(random) +
                           draw.rows * crossing.per_px.y();
@@ -84,6 +86,17 @@ TEST(Agreement, MovedPicturesAreToldFromTheStatedNumberOfRowsOn) {
 TEST(Agreement, ItSaysByHowManyRows) {
   const Agreement sut = agreement({.head = 0, .arm_mm = 0.002, .noise_mm = 0.01, .rows = 12});
   DOUBLES_EQUAL(12, sut.moved_px.y(), 1);
+}
+
+TEST(Agreement, PlacesThatNoColumnMovesVouchForRowsOnly) {
+  const Drawn quiet{.head = 0, .arm_mm = 0.002, .noise_mm = 0.01};
+  const Agreement sut = agreement(quiet);
+  CHECK(sut.rows_agree());
+  CHECK_FALSE(sut.agrees());
+  CHECK(*sut.tells_columns > 3 * *sut.tells_rows);
+  Drawn both = quiet;
+  both.per_column_mm = 0.05;
+  CHECK(agreement(both).agrees());
 }
 
 TEST(Agreement, FewPlacesSayNothing) {

@@ -49,7 +49,7 @@ const Seen& in_the_dark() {
 }
 
 void check_status(Status expected, const PictureCheck& check, const test::Spoil& spoil) {
-  const std::string told = spoil.name() + ": " + as_json(check).dump();
+  const std::string told = spoil.name() + ": " + as_json(check, false).dump();
   CHECK_TEXT(check.status == expected, told.c_str());
 }
 
@@ -104,6 +104,20 @@ TEST(CheckPictures, ItSaysFromHowManyRowsOnItTells) {
   CHECK(sut.as_told.tells_rows.has_value());
   CHECK(*sut.as_told.tells_rows > 2);
   CHECK(*sut.as_told.tells_rows < 12);
+}
+
+TEST(CheckPictures, ALapTellsColumnsToo) {
+  const PictureCheck sut = with_lap().check({});
+  CHECK(sut.as_told.tells_columns.has_value());
+  CHECK(*sut.as_told.tells_columns < 12);
+}
+
+TEST(CheckPictures, ACameraThatTellsItsStateVouches) {
+  const PictureCheck lap = with_lap().check({}), dark = in_the_dark().check({});
+  CHECK(vouched_by(lap, false) == VouchedBy::Places);
+  CHECK(vouched_by(dark, true) == VouchedBy::CameraState);
+  CHECK(vouched_by(dark, false) == VouchedBy::Nobody);
+  STRCMP_EQUAL("nobody", as_json(dark, false)["vouched_by"].get<std::string>().c_str());
 }
 
 TEST(CheckPictures, AWellKnownHeadTellsFewerRows) {
