@@ -64,7 +64,7 @@ Result<std::unique_ptr<ur::UrLink>> link_to(const sim::UrController& controller)
   const sim::UrController::Ports ports = controller.ports();
   auto link = ur::UrLink::open({.host = "127.0.0.1",
                                 .rtde_port = ports.rtde,
-                                .script_port = ports.script,
+                                .script_port = ports.primary,
                                 .dashboard_port = ports.dashboard,
                                 .rate_hz = 0,
                                 .connect_patience_s = 20});

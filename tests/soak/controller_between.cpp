@@ -45,7 +45,7 @@ void tell_lie(Lie lie, const std::string& name, rtde::Value& value) {
 Result<std::unique_ptr<ControllerBetween>> ControllerBetween::open(sim::UrController::Ports controller) {
   std::unique_ptr<ControllerBetween> between{new ControllerBetween};
   for (const auto& [kind, port] :
-       {std::pair{Kind::Rtde, controller.rtde}, std::pair{Kind::Script, controller.script},
+       {std::pair{Kind::Rtde, controller.rtde}, std::pair{Kind::Script, controller.primary},
         std::pair{Kind::Dashboard, controller.dashboard}}) {
     BITELINE_ASSIGN(sim::TcpListener listener, sim::listen_on_loopback(0));
     between->doors_.push_back({.kind = kind, .listener = std::move(listener), .controller_port = port});

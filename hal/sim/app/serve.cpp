@@ -47,17 +47,16 @@ void print_endpoints(const sim::LiveCell& cell, const ServeOptions& options) {
   const sim::LiveCell::Stand stand = cell.stand();
   std::printf(
       "{\"simulated\":true,\"world\":\"%s\",\"wires\":\"%s\",\"camera\":\"%s\",\"rtde\":\"127.0.0.1:%d\","
-      "\"script\":\"127.0.0."
-      "1:%d\","
+      "\"script\":\"127.0.0.1:%d\",\"primary\":\"127.0.0.1:%d\","
       "\"dashboard\":\"127.0.0.1:%d\",\"arm\":\"%s\",\"out\":\"%s\",\"sensor\":\"%s/"
       "sensor.yaml\",\"board\":\"%s/board.yaml\",\"scan_s\":%.3f,\"pose_sigma_mm\":%.4g,"
       "\"pose_sigma_rad\":%.4g,\"time_ratio\":%.2f,\"table_z_mm\":%.2f,\"fixture_z_mm\":%.2f,"
       "\"fixture_beyond_mm\":%.1f}\n",
       options.world.world.c_str(), cell.settings().wires.c_str(), cell.settings().camera_address.c_str(),
-      int{ports.rtde}, int{ports.script}, int{ports.dashboard}, options.arm.c_str(), options.out.c_str(),
-      options.out.c_str(), options.out.c_str(), cell.scan_duration_s(), cell.settings().pose_noise_mm,
-      cell.settings().pose_noise_rad, cell.time_ratio(), stand.table_z_mm, stand.fixture_z_mm,
-      stand.fixture_beyond_mm);
+      int{ports.rtde}, int{ports.script}, int{ports.primary}, int{ports.dashboard}, options.arm.c_str(),
+      options.out.c_str(), options.out.c_str(), options.out.c_str(), cell.scan_duration_s(),
+      cell.settings().pose_noise_mm, cell.settings().pose_noise_rad, cell.time_ratio(), stand.table_z_mm,
+      stand.fixture_z_mm, stand.fixture_beyond_mm);
   std::fflush(stdout);
 }
 

@@ -4,10 +4,12 @@
 #include <poll.h>
 
 #include <algorithm>
+#include <cstdlib>
+#include <string_view>
 #include <utility>
 
-#include "common/rtde/big_endian.hpp"
 #include "hal/sim/robot/blends.hpp"
+#include "hal/sim/robot/primary_messages.hpp"
 
 namespace biteline::sim {
 
@@ -33,6 +35,13 @@ class TakeInputs final : public rtde::ControllerListener {
  private:
   UrValues& values_;
 };
+
+/// The line that a script's error names.
+int line_in(const std::string& error) {
+  constexpr std::string_view k_before = "script line ";
+  const std::size_t at = error.find(k_before);
+  return at == std::string::npos ? 0 : std::atoi(error.c_str() + at + k_before.size());
+}
 
 void append(std::vector<std::uint8_t>& bytes, const std::string& text) {
   bytes.insert(bytes.end(), text.begin(), text.end());
@@ -148,6 +157,8 @@ void UrController::cycle(std::uint64_t number) {
       client->session.send_text({.level = rtde::TextLevel::Warning, .text = cut, .source = "program"});
   }
   const ArmState state = arm_.at(instant);
+  if (std::exchange(program_ran_, state.program_running) != state.program_running)
+    tell(primary::program_runs(state.program_running, state.program_name, stamp_now()));
   const ArmReal real = arm_.real_at(instant);
   const Nanoseconds stamp = instant.time_since_epoch() + config_.clock_offset;
   if (protective_stop_) arm_.stop(instant);
@@ -155,7 +166,11 @@ void UrController::cycle(std::uint64_t number) {
   values_.advance(state, real, static_cast<double>(stamp.count()) * 1e-9);
   const std::uint64_t cycles_per_state = static_cast<std::uint64_t>(std::max(1, config_.rate_hz / 10));
   if (std::exchange(states_sent_, number / cycles_per_state) != number / cycles_per_state) {
-    const std::vector<std::uint8_t> told = primary_state(state, stamp);
+    const std::vector<std::uint8_t> told = primary::state({.protective_stop = protective_stop_,
+                                                           .program_running = state.program_running,
+                                                           .speed_slider_ratio = values_.speed_slider_ratio(),
+                                                           .speed_scaling = values_.speed_scaling()},
+                                                          stamp);
     for (const auto& client : script_clients_) {
       if (client->outgoing.size() < k_most_unread_states)
         client->outgoing.insert(client->outgoing.end(), told.begin(), told.end());
@@ -179,27 +194,6 @@ void UrController::pass_on(RtdeClient& client) {
   bytes.clear();
 }
 
-/// A robot state message with its kinematics info alone: check sums, rows in metres, 0 for "calibrated".
-std::vector<std::uint8_t> UrController::told_kinematics(const ArmKinematics& arm) {
-  constexpr std::uint8_t k_robot_state = 16, k_kinematics = 5;
-  constexpr std::uint32_t k_head = 5, k_bytes = k_head + 6 * 4 + 4 * 6 * 8 + 4;
-  constexpr double k_m_per_mm = 1e-3;
-  std::vector<std::uint8_t> bytes;
-  rtde::Writer writer(bytes);
-  writer.put(k_head + k_bytes);
-  writer.put(k_robot_state);
-  writer.put(k_bytes);
-  writer.put(k_kinematics);
-  for (int joint = 0; joint < 6; ++joint) writer.put(std::uint32_t{0});
-  using Row = ArmKinematics::DhRow;
-  for (const Row& row : arm.rows()) writer.put(row.theta_rad);
-  for (const Row& row : arm.rows()) writer.put(k_m_per_mm * row.a_mm);
-  for (const Row& row : arm.rows()) writer.put(k_m_per_mm * row.d_mm);
-  for (const Row& row : arm.rows()) writer.put(row.alpha_rad);
-  writer.put(std::uint32_t{0});
-  return bytes;
-}
-
 void UrController::accept_clients() {
   if (hal::Descriptor socket = accept_from(rtde_listener_); socket.is_open()) {
     rtde_clients_.push_back(std::make_unique<RtdeClient>(rtde::ControllerSession::Config{
@@ -209,9 +203,12 @@ void UrController::accept_clients() {
   }
   for (const auto* listener : {&script_listener_, &primary_listener_}) {
     if (hal::Descriptor socket = accept_from(*listener); socket.is_open()) {
-      script_clients_.push_back(std::make_unique<Client>());
-      script_clients_.back()->socket = std::move(socket);
-      script_clients_.back()->outgoing = told_kinematics(arm_.kinematics());
+      script_clients_.push_back(std::make_unique<ScriptClient>());
+      ScriptClient& client = *script_clients_.back();
+      client.socket = std::move(socket);
+      client.primary = listener == &primary_listener_;
+      for (const auto& told : {primary::version(stamp_now()), primary::kinematics(arm_.kinematics())})
+        client.outgoing.insert(client.outgoing.end(), told.begin(), told.end());
     }
   }
   if (hal::Descriptor socket = accept_from(dashboard_listener_); socket.is_open()) {
@@ -239,14 +236,14 @@ void UrController::serve_scripts() {
     const bool alive = read_available(client->socket, client->incoming);
     // A program sent without its last line end is complete when the sender closes.
     if (!alive) client->incoming.push_back('\n');
-    while (auto program = take_program(client->incoming)) run_script(*program, *client);
+    while (auto program = take_program(client->incoming)) run_script(*program);
     if (client->incoming.size() > k_longest_script_bytes) client->closing = true;
     if (!write_available(client->socket, client->outgoing) || !alive || close_all) client->socket.close();
   }
   drop_dead(script_clients_);
 }
 
-void UrController::run_script(const std::string& text, Client& client) {
+void UrController::run_script(const std::string& text) {
   if (protective_stop_ || !remote_control_) {
     // As a real one: nothing moves, and the script port says nothing.
     ++scripts_refused_;
@@ -256,7 +253,7 @@ void UrController::run_script(const std::string& text, Client& client) {
   if (script) {
     for (const std::string& warning : skip_overlapping_blends(*script)) {
       ++moves_skipped_;
-      tell(client, rtde::TextLevel::Warning, warning);
+      tell(primary::warning(warning, stamp_now()));
     }
     ++scripts_run_;
     script->start_rad = values_.q_rad();
@@ -264,13 +261,17 @@ void UrController::run_script(const std::string& text, Client& client) {
     return;
   }
   ++scripts_refused_;
-  tell(client, rtde::TextLevel::Error, to_line(script.error()));
+  const std::string error = to_line(script.error());
+  tell(primary::runtime_exception(line_in(error), error, stamp_now()));
 }
 
-void UrController::tell(Client& client, rtde::TextLevel level, const std::string& text) {
-  append(client.outgoing, text + "\n");
-  for (const auto& rtde_client : rtde_clients_) {
-    rtde_client->session.send_text({.level = level, .text = text, .source = "script"});
+Nanoseconds UrController::stamp_now() const {
+  return hal::monotonic_now().time_since_epoch() + config_.clock_offset;
+}
+
+void UrController::tell(const std::vector<std::uint8_t>& message) {
+  for (const auto& client : script_clients_) {
+    if (client->primary) client->outgoing.insert(client->outgoing.end(), message.begin(), message.end());
   }
 }
 
@@ -289,29 +290,6 @@ void UrController::serve_dashboard() {
     if (!write_available(client->socket, client->outgoing) || !alive) client->socket.close();
   }
   drop_dead(dashboard_clients_);
-}
-
-std::vector<std::uint8_t> UrController::primary_state(const ArmState& state, Nanoseconds stamp) const {
-  constexpr std::uint8_t k_robot_state = 16, k_robot_mode_data = 0;
-  constexpr std::uint32_t k_header = 5, k_mode_bytes = 47;
-  std::vector<std::uint8_t> bytes;
-  rtde::Writer writer(bytes);
-  writer.put(k_header + k_mode_bytes);
-  writer.put(k_robot_state);
-  writer.put(k_mode_bytes);
-  writer.put(k_robot_mode_data);
-  writer.put(static_cast<std::uint64_t>(stamp.count() / 1000));
-  const bool stopped = protective_stop_;
-  // Real robot connected, real robot enabled, power on, emergency stop, protective stop, program runs, pause.
-  for (const bool flag : {true, true, true, false, stopped, state.program_running, false})
-    writer.put(static_cast<std::uint8_t>(flag ? 1 : 0));
-  writer.put(std::uint8_t{7});  // robot mode RUNNING
-  writer.put(std::uint8_t{0});  // control mode POSITION
-  writer.put(values_.speed_slider_ratio());
-  writer.put(values_.speed_scaling());
-  writer.put(1.0);              // limit of the speed slider
-  writer.put(std::uint8_t{0});  // kept free
-  return bytes;
 }
 
 std::string UrController::dashboard_answer(const std::string& line, Client& client) {

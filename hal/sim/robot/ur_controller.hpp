@@ -15,16 +15,15 @@
 namespace biteline::sim {
 
 /// One thread serves all connections and the controller's cycle.  A script replaces the one that runs, as on
-/// the real one; moves whose blends meet are skipped and warned of; a script that cannot be read is answered
-/// on the script port and in an RTDE text, and nothing moves.
+/// the real one; moves whose blends meet are skipped and warned of; of a script that cannot be read nothing
+/// moves.  Both are said as robot messages to the clients of the primary port, and nowhere else.
 ///
 /// Dashboard: robotmode, safetystatus, safetymode, running, programState, stop, "is in remote control",
 /// "unlock protective stop", PolyscopeVersion, "get robot model", "get serial number", quit; other lines get
-/// the real one's answer to the unknown.  Script port and primary port send the arm's kinematics to who
-/// connects and the robot's mode ten times a second (Universal Robots, "Client interfaces", robot state
-/// message with its kinematics info and robot mode data) and take scripts; who does not read there loses
-/// states. Threads of a program and its watchdogs on RTDE inputs run on the controller's cycles. Thread: any
-/// for the public methods.
+/// the real one's answer to the unknown.  Script port and primary port send version and kinematics to who
+/// connects and the robot's mode ten times a second (primary_messages.hpp) and take scripts; who does not
+/// read there loses states.  The primary port tells of programs, too. Threads of a program and its watchdogs
+/// on RTDE inputs run on the controller's cycles. Thread: any for the public methods.
 class UrController {
  public:
   struct Config {
@@ -78,6 +77,9 @@ class UrController {
     std::vector<std::uint8_t> incoming, outgoing;
     bool closing{false};  ///< as soon as all is sent
   };
+  struct ScriptClient : Client {
+    bool primary{false};  ///< gets robot messages, too
+  };
   struct RtdeClient : Client {
     explicit RtdeClient(const rtde::ControllerSession::Config& config) : session(config) {}
     rtde::ControllerSession session;
@@ -91,13 +93,12 @@ class UrController {
   static void pass_on(RtdeClient& client);
   void accept_clients();
   void serve_rtde();
-  [[nodiscard]] static std::vector<std::uint8_t> told_kinematics(const ArmKinematics& arm);
-  [[nodiscard]] std::vector<std::uint8_t> primary_state(const ArmState& state, Nanoseconds stamp) const;
   void serve_scripts();
   void serve_dashboard();
-  void run_script(const std::string& text, Client& client);
-  /// On the script port and in an RTDE text.
-  void tell(Client& client, rtde::TextLevel level, const std::string& text);
+  void run_script(const std::string& text);
+  /// A robot message to who listens at the primary port.
+  void tell(const std::vector<std::uint8_t>& message);
+  [[nodiscard]] Nanoseconds stamp_now() const;
   [[nodiscard]] std::string dashboard_answer(const std::string& line, Client& client);
   [[nodiscard]] SensorClock::time_point instant_of(std::uint64_t cycle) const;
 
@@ -113,7 +114,9 @@ class UrController {
   std::atomic<double> speed_scaling_{1};
   double pace_ratio_{1};  ///< the arm's, on its way to slider times scaling
   std::vector<std::unique_ptr<RtdeClient>> rtde_clients_;
-  std::vector<std::unique_ptr<Client>> script_clients_, dashboard_clients_;
+  std::vector<std::unique_ptr<ScriptClient>> script_clients_;
+  std::vector<std::unique_ptr<Client>> dashboard_clients_;
+  bool program_ran_{false};  ///< as its clients were told last
   SensorClock::time_point begin_;
   std::uint64_t states_sent_{0};  ///< periods of the primary port
   std::atomic<std::uint64_t> scripts_run_{0}, scripts_refused_{0}, moves_skipped_{0}, programs_cut_{0};

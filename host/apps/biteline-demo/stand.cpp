@@ -130,7 +130,7 @@ std::vector<std::string> host_arguments(const CellOptions& options, const Stand&
           "--rtde",
           told("rtde"),
           "--script",
-          told("script"),
+          told("primary"),
           "--dashboard",
           told("dashboard"),
           "--send",

@@ -67,7 +67,10 @@ ParsedOptions parse_options(int argc, char** argv) {
       ->needs(fixture)
       ->capture_default_str();
   app.add_option("--rtde", robot.rtde, "The controller's real-time port, HOST:PORT")->capture_default_str();
-  app.add_option("--script", robot.script, "The controller's script port, HOST:PORT")->capture_default_str();
+  app.add_option(
+         "--script", robot.script,
+         "The controller's script port, HOST:PORT; 30001 says why it does not run a program, 30002 does not")
+      ->capture_default_str();
   app.add_option("--dashboard", robot.dashboard,
                  "The controller's dashboard port, HOST:PORT; without: port 29999 beside --script");
   app.add_option("--serial", robot.serial, "The arm's serial number: no other one is sent a path")

@@ -19,7 +19,7 @@ struct RobotOptions {
   std::string arm;                ///< UR5e, ...
   std::filesystem::path process;  ///< process YAML
   std::string rtde{"127.0.0.1:30004"};
-  std::string script{"127.0.0.1:30002"};
+  std::string script{"127.0.0.1:30001"};
   std::string dashboard;  ///< empty: port 29999 of the script's machine
   std::string serial;     ///< of the one arm that may be meant; empty: any of that model
   double table_z_mm{0};

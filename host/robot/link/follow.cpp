@@ -15,6 +15,8 @@ namespace {
 constexpr Nanoseconds k_look{20'000'000};
 constexpr Nanoseconds k_first_state_patience{1'000'000'000};
 constexpr double k_old_s = 0.1;
+/// A controller that is asked again each tenth of a second.
+constexpr double k_door_closed_s = 1;
 constexpr double k_shaking_rad = 0.01;  // of a joint at the end of its path: some 2 mm of the tip
 // One state that says "no program runs" is not believed: so long all of them must, by both clocks.
 constexpr double k_ended_s = 0.1;
@@ -35,12 +37,14 @@ Errc errc_of(Halt halt) {
     case Halt::Unusable:
     case Halt::Old:
     case Halt::NotSent:
+    case Halt::StopDoorClosed:
       return Errc::ConnectionLost;
     case Halt::ProtectiveStop:
       return Errc::InterlockOpen;
     case Halt::PowerOff:
       return Errc::DeviceLost;
     case Halt::NotStarted:
+    case Halt::ProgramError:
       return Errc::PeerRefused;
     case Halt::NotEnded:
       return Errc::Timeout;
@@ -105,8 +109,15 @@ class Run {
 
  private:
   std::optional<HaltReason> look_at_link(const Result<RobotState>& state) {
-    if (const LinkStatus status = link_.status(); status.unusable_states > unusable_)
+    const LinkStatus status = link_.status();
+    if (status.unusable_states > unusable_)
       return HaltReason{Halt::Unusable, "the controller sent a state without numbers"};
+    if (!status.program_error.empty())
+      return HaltReason{Halt::ProgramError, "the controller ends the program: " + status.program_error};
+    if (status.stop_door_closed_s > k_door_closed_s)
+      return HaltReason{Halt::StopDoorClosed,
+                        "its script port takes no connection: a stop could not switch "
+                        "the tool off"};
     // A controller that goes on sending the same instant is as silent as one that sends nothing.
     if (state && state->sampled > newest_.sampled) newest_ = *state;
     if (state) newest_.sequence = state->sequence;

@@ -29,6 +29,10 @@ std::span<const report::RefusalRow<Halt>> refusal_table(Halt) {
           "see what holds up the controller's states: network, relay, a busy machine"},
       Row{Halt::NotSent, "not_sent", "check the network to the controller, and scan again"},
       Row{Halt::ToolOn, "tool_on", "switch the tool off at its supply, then see what holds its output on"},
+      Row{Halt::ProgramError, "program_error",
+          "read the controller's log; a newer controller or another process may be needed"},
+      Row{Halt::StopDoorClosed, "stop_door_closed",
+          "set the controller to remote control, and see what ends connections to its script port"},
   };
   return k_rows;
 }

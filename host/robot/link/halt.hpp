@@ -25,6 +25,8 @@ enum class Halt {
   Old,             ///< states come, and show what was
   NotSent,         ///< the program did not leave whole: what the controller has of it is not known
   ToolOn,          ///< the run is over, and the tool's output is not seen off
+  ProgramError,    ///< the controller does not take the program, or ended it for a fault in it
+  StopDoorClosed,  ///< a stop could not switch the tool off: nothing can be sent
 };
 
 [[nodiscard]] std::span<const report::RefusalRow<Halt>> refusal_table(Halt);

@@ -49,6 +49,8 @@ struct LinkStatus {
   std::uint64_t unknown_packages{0};  ///< of kinds that its protocol does not have
   std::string last_error;             ///< of the last connection that failed
   std::string last_text;              ///< the controller's own last warning or error
+  std::string program_error;          ///< its own words on why the program sent last does not run, or no more
+  double stop_door_closed_s{0};       ///< for so long no program that switches a tool off could be sent
 };
 
 /// Order of calls: open (factory), then any; send() only while the state is fresh, powered, safe and no

@@ -41,7 +41,7 @@ def work_with_arm(folder, host_program, cell_program, process, sensor, on_drift)
         at = json.loads(cell.line_with('"rtde"'))
         host = Program(host_program, "--sensor", sensor.line_with("tcp://"), "--out", folder + "/results", "--on-drift", on_drift,
                        "--uncertainty", str(known), "--robot", "ur10e", "--process", process, "--table-z", str(at["table_z_mm"]),
-                       "--rtde", at["rtde"], "--script", at["script"], "--dashboard", at["dashboard"], "--send", "--once",
+                       "--rtde", at["rtde"], "--script", at["primary"], "--dashboard", at["dashboard"], "--send", "--once",
                        "--exit-with-parent")
         status = host.process.wait(PATIENCE_S)
         cell.end()

@@ -127,6 +127,33 @@ ORDINARY_TIMED_TEST(FollowEndings, StopProgramArrivesWhereTheConnectionIsClosedA
   is_stopped(out, Halt::Person);
 }
 
+ORDINARY_TIMED_TEST(FollowEndings, ScriptConnectionThatTheControllerClosesIsMadeAnew) {
+  FakeController* there = nullptr;
+  prepare = [&](FakeController& controller) { there = &controller; };
+  bool closed = false;
+  const Played out = play([&](PlayedState&, double share) {
+    if (share > 0.1 && !std::exchange(closed, true)) there->close_script = true;
+  });
+  is_done(out);
+  LONGS_EQUAL(2, out.script_connections);
+}
+
+/// Nothing could switch the tool off: the arm is stopped by the dashboard's word, and the tool is told.
+ORDINARY_TIMED_TEST(FollowEndings, ScriptPortThatStaysClosedStopsTheArm) {
+  FakeController* there = nullptr;
+  prepare = [&](FakeController& controller) { there = &controller; };
+  const Played out = play([&](PlayedState& state, double share) {
+    if (share > 0.1) there->shut_script = true;
+    if (share > 0.1) state.outputs = 1;
+  });
+  CHECK(out.report.halt.has_value());
+  STRCMP_EQUAL("stop_door_closed", report::refusal_row(out.report.halt->code).name);
+  CHECK(out.times.stop_words > 0);
+  CHECK(out.report.ending.at_rest);
+  CHECK(out.report.ending.tool == ToolOutput::On);
+  CHECK(out.report.halt->reason.starts_with("THE TOOL IS STILL ON: "));
+}
+
 TEST(FollowEndings, StatesOnTheScriptPortAreReadAway) {
   FakeController* there = nullptr;
   prepare = [&](FakeController& controller) {

@@ -11,6 +11,7 @@
 
 #include "tests/integration/robot/played_run.hpp"
 #include "tests/support/timed_test.hpp"
+#include "tests/unit/host/robot/link/said_bytes.hpp"
 
 namespace biteline::robot {
 namespace {
@@ -328,6 +329,32 @@ ORDINARY_TIMED_TEST(FollowFaults, ProgramThatDoesNotStartIsToldAndStopped) {
         state.lie = true;
       },
       6);
+}
+
+/// The controller says why, and nobody waits for the program's beginning.
+ORDINARY_TIMED_TEST(FollowFaults, ProgramThatTheControllerDoesNotTakeIsToldInItsWords) {
+  test::FakeController* there = nullptr;
+  prepare = [&](test::FakeController& controller) { there = &controller; };
+  bool said_it = false;
+  const Played out = stops("program not taken", Halt::ProgramError, [&](PlayedState& state, double) {
+    state.runtime_state = 1;
+    state.lie = true;
+    if (!std::exchange(said_it, true))
+      there->say_on_script(test::runtime_exception(12, 3, "compile_error_name_not_found:movep:"));
+  });
+  STRCMP_CONTAINS("line 12, column 3: compile_error_name_not_found:movep:", out.report.halt->reason.c_str());
+}
+
+ORDINARY_TIMED_TEST(FollowFaults, ProgramThatFailsWhileItRunsStopsTheArm) {
+  test::FakeController* there = nullptr;
+  prepare = [&](test::FakeController& controller) { there = &controller; };
+  bool said_it = false;
+  stops(
+      "program fails", Halt::ProgramError, from(0.3, [&](PlayedState&) {
+        if (!std::exchange(said_it, true))
+          there->say_on_script(test::joined({test::key_message("PROGRAM_XXX_STARTED", "other"),
+                                             test::runtime_exception(40, 1, "no inverse kinematics found")}));
+      }));
 }
 
 }  // namespace biteline::robot

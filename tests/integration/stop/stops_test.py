@@ -143,7 +143,12 @@ def begun(cell, phase):
         comes_true(lambda: cell.state()["phase"] != "scanning", "the scan is in")
         if phase == "working":
             return lines
-        if comes_true(lambda: cell.said("sends the path", lines) or cell.newest() > before, "the path or the row") is not True:
+
+        # A row may be there before the path is planned.
+        def decided():
+            return cell.said("sends the path", lines) or (cell.state()["phase"] == "waiting" and cell.newest() > before)
+
+        if comes_true(decided, "the path, or the end of the work without one") is not True:
             return lines
     raise AssertionError("no scan of eight has a path")
 

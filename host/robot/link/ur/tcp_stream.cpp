@@ -121,17 +121,23 @@ Result<std::size_t> TcpStream::write_now(std::string_view text) {
   }
 }
 
-bool TcpStream::lives() {
+bool TcpStream::take_now(std::vector<std::uint8_t>& bytes) {
   // A controller may send faster than this reads; what is more than so much is read the next time.
   constexpr int k_most_reads = 64;
-  std::uint8_t dropped[k_read_bytes];
+  std::uint8_t some[k_read_bytes];
   for (int i = 0; is_open() && i < k_most_reads; ++i) {
-    const ssize_t got = recv(socket_, dropped, sizeof dropped, MSG_DONTWAIT);
+    const ssize_t got = recv(socket_, some, sizeof some, MSG_DONTWAIT);
+    if (got > 0) bytes.insert(bytes.end(), some, some + got);
     if (got > 0 || (got < 0 && errno == EINTR)) continue;
     if (got < 0 && (errno == EAGAIN || errno == EWOULDBLOCK)) break;
     close();
   }
   return is_open();
+}
+
+bool TcpStream::lives() {
+  std::vector<std::uint8_t> dropped;
+  return take_now(dropped);
 }
 
 Endpoint TcpStream::numeric_peer() const {

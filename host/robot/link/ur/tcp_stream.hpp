@@ -39,8 +39,11 @@ class TcpStream {
   /// What goes at once, from the beginning of `text`; never waits.
   [[nodiscard]] Result<std::size_t> write_now(std::string_view text);
 
-  /// Drops what has arrived.  false: not open, or the peer has closed, and then it is closed here, too.
-  /// A write into a connection whose peer has closed succeeds once: only a look like this one tells.
+  /// Appends what has arrived, and never waits.  false: not open, or the peer has closed, and then it is
+  /// closed here, too.  A write into a connection whose peer has closed succeeds once: only a look like this
+  /// one tells.
+  [[nodiscard]] bool take_now(std::vector<std::uint8_t>& bytes);
+  /// The same, and drops it.
   [[nodiscard]] bool lives();
 
   /// Whom it is connected to, so that a later connection needs no look-up of names.

@@ -6,34 +6,14 @@
 #include <vector>
 
 #include "common/rtde/big_endian.hpp"
+#include "host/robot/link/ur/primary_messages.hpp"
 
 namespace biteline::robot::ur {
 namespace {
 
 constexpr std::uint8_t k_robot_state = 16, k_kinematics = 5;
-constexpr std::size_t k_head_bytes = 5;          // length and type, of messages and of their parts
-constexpr std::size_t k_most_bytes = 1U << 16U;  // a state has some 1500
 constexpr std::size_t k_most_heard = 1U << 20U;  // some seconds of states
 constexpr double k_mm_per_m = 1000, k_most_rad = 7, k_most_m = 1e4;
-
-struct Part {
-  std::uint8_t type;
-  std::span<const std::uint8_t> body;
-};
-
-/// The first message or part of `bytes`, which is cut off there; nothing: it has not arrived whole.
-Result<std::optional<Part>> take_part(std::span<const std::uint8_t>& bytes) {
-  if (bytes.size() < k_head_bytes) return std::optional<Part>{};
-  rtde::Reader head{bytes};
-  const std::uint32_t length = head.get<std::uint32_t>().value_or(0);
-  const std::uint8_t type = head.get<std::uint8_t>().value_or(0);
-  if (length < k_head_bytes || length > k_most_bytes)
-    return fail(Errc::BadFormat, "a message of %u bytes", static_cast<unsigned>(length));
-  if (bytes.size() < length) return std::optional<Part>{};
-  const Part part{.type = type, .body = bytes.subspan(k_head_bytes, length - k_head_bytes)};
-  bytes = bytes.subspan(length);
-  return part;
-}
 
 Result<ToldKinematics> read(std::span<const std::uint8_t> body) {
   constexpr std::size_t k_bytes = 6 * 4 + 4 * 6 * 8 + 4;

@@ -8,6 +8,7 @@
 #include "common/rtde/client_session.hpp"
 #include "host/robot/link/ur/arm_claim.hpp"
 #include "host/robot/link/ur/delivery.hpp"
+#include "host/robot/link/ur/primary_messages.hpp"
 #include "host/robot/link/ur/script.hpp"
 #include "host/robot/link/ur/units.hpp"
 
@@ -22,6 +23,7 @@ constexpr Nanoseconds k_retry{300'000'000};
 constexpr Nanoseconds k_send_patience{2'000'000'000};
 constexpr Nanoseconds k_remote_period{500'000'000};
 constexpr Nanoseconds k_stop_patience{300'000'000};  // a controller in the same cell answers in some ms
+constexpr Nanoseconds k_script_retry{100'000'000};
 constexpr std::size_t k_most_recorded = 10 * 60 * 500;
 
 /// In the order of variables().
@@ -281,6 +283,8 @@ Result<void> UrLink::send(const PermittedPath& permitted) {
   {
     const std::lock_guard lock{mutex_};
     status_.last_text.clear();
+    status_.program_error.clear();
+    status_.stop_door_closed_s = 0;
   }
   // Without it the arm could not be stopped: before the path, and kept open, so that a stop is one word.
   BITELINE_ASSIGN(dashboard_, Dashboard::connect({config_.host, config_.dashboard_port},
@@ -289,6 +293,8 @@ Result<void> UrLink::send(const PermittedPath& permitted) {
                                               from_seconds(config_.connect_patience_s)));
   dashboard_at_ = dashboard_.stream().numeric_peer();
   script_at_ = script_.numeric_peer();
+  script_heard_.clear();
+  script_lived_ = now();
   output_ = permitted.path().path().digital_output;
   asked_ = doubted_ = false;
   asked_at_ = {};
@@ -330,9 +336,40 @@ Result<void> UrLink::stop() {
 }
 
 void UrLink::beat() {
-  // A controller sends its state there all the time, and one that closes is to be known before a stop is.
-  static_cast<void>(script_.lives());
+  hear_script();
+  keep_script_open();
   if (config_.claim != nullptr) config_.claim->beat();
+}
+
+/// Why a program does not run, or no more, is said nowhere else.
+void UrLink::hear_script() {
+  static_cast<void>(script_.take_now(script_heard_));
+  const Result<std::vector<ControllerSaid>> said = take_said(script_heard_);
+  if (!said) {
+    // Another protocol: its bytes say nothing, and the connection serves as before.
+    script_heard_.clear();
+    return;
+  }
+  for (const ControllerSaid& one : *said) {
+    using About = ControllerSaid::About;
+    if (one.about != About::ProgramError && one.about != About::Fault) continue;
+    const std::lock_guard lock{mutex_};
+    status_.last_text = one.text;
+    if (one.about == About::ProgramError) status_.program_error = one.text;
+  }
+}
+
+/// A controller that closes it, as one does that goes to local control, is to be known before a stop is.
+void UrLink::keep_script_open() {
+  const HostClock::time_point time = now();
+  if (script_.is_open() && script_.numeric_peer().port != 0) script_lived_ = time;
+  if (!script_.is_open() && time - script_tried_ >= k_script_retry) {
+    script_tried_ = time;
+    script_heard_.clear();
+    if (Result<TcpStream> again = TcpStream::begin(script_at_)) script_ = std::move(*again);
+  }
+  const std::lock_guard lock{mutex_};
+  status_.stop_door_closed_s = std::chrono::duration<double>{time - script_lived_}.count();
 }
 
 std::optional<bool> UrLink::remote_control() {

@@ -30,7 +30,9 @@ class UrLink final : public RobotLink {
   struct Config {
     std::string host{"127.0.0.1"};
     std::uint16_t rtde_port{30004};
-    std::uint16_t script_port{30002};
+    /// Of the primary interface: the secondary one (30002) takes programs, too, and never says why it does
+    /// not run one.
+    std::uint16_t script_port{30001};
     std::uint16_t dashboard_port{29999};
     double rate_hz{0};  ///< 0: the controller's own
     double connect_patience_s{2};
@@ -88,16 +90,21 @@ class UrLink final : public RobotLink {
 
   [[nodiscard]] Result<std::optional<int>> dead_mans_register() const;
 
+  void hear_script();
+  void keep_script_open();
+
   // Only send(), stop(), beat() and remote_control().
-  TcpStream script_;     ///< kept open: a program that must replace the path's is on its way at once
-  Dashboard dashboard_;  ///< kept open for the word that stops the arm
-  Endpoint script_at_, dashboard_at_;  ///< once they were found: by number
-  bool begun_{false};                  ///< a path's first byte has left
-  bool dead_man_{false};               ///< the sent program has one
-  int stops_{0};                       ///< since then
-  int output_{-1};                     ///< that the sent path switches on
-  bool asked_{false};                  ///< whether it is in remote control, and not answered yet
-  bool doubted_{false};                ///< it said no, once
+  TcpStream script_;  ///< kept open: a program that must replace the path's is on its way at once
+  std::vector<std::uint8_t> script_heard_;                 ///< and not read yet: a piece of a message
+  HostClock::time_point script_lived_{}, script_tried_{};  ///< last seen open, and last called again
+  Dashboard dashboard_;                                    ///< kept open for the word that stops the arm
+  Endpoint script_at_, dashboard_at_;                      ///< once they were found: by number
+  bool begun_{false};                                      ///< a path's first byte has left
+  bool dead_man_{false};                                   ///< the sent program has one
+  int stops_{0};                                           ///< since then
+  int output_{-1};                                         ///< that the sent path switches on
+  bool asked_{false};    ///< whether it is in remote control, and not answered yet
+  bool doubted_{false};  ///< it said no, once
   HostClock::time_point asked_at_{};
   std::optional<bool> remote_;
   std::thread thread_;

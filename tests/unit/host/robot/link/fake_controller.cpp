@@ -76,7 +76,9 @@ FakeController::FakeController(Play play, double cycle_s) : play_{std::move(play
 FakeController::~FakeController() {
   stopping_ = true;
   thread_.join();
-  for (const int listener : {rtde_listener_, script_listener_, dashboard_listener_}) close(listener);
+  for (const int listener : {rtde_listener_, script_listener_, dashboard_listener_}) {
+    if (listener >= 0) close(listener);
+  }
 }
 
 std::string FakeController::script() const {
@@ -90,6 +92,11 @@ std::string FakeController::dashboard() const {
 FakeController::Times FakeController::times() const {
   const std::lock_guard lock{mutex_};
   return times_;
+}
+
+void FakeController::say_on_script(std::vector<std::uint8_t> bytes) {
+  const std::lock_guard lock{mutex_};
+  to_say_ = std::move(bytes);
 }
 
 void FakeController::read_script(int client) {
@@ -162,9 +169,18 @@ void FakeController::serve() {
       read_script(script);
       close(std::exchange(script, -1));
     }
-    if ((entries[1].revents & POLLIN) != 0) {
+    if (shut_script && script_listener_ >= 0) {
+      close(std::exchange(script_listener_, -1));
+      if (script >= 0) close(std::exchange(script, -1));
+    }
+    if (script_listener_ >= 0 && (entries[1].revents & POLLIN) != 0) {
       replace(script, script_listener_);
       ++script_connections;
+    }
+    if (script >= 0) {
+      const std::lock_guard lock{mutex_};
+      if (!to_say_.empty()) static_cast<void>(send(script, to_say_.data(), to_say_.size(), MSG_NOSIGNAL));
+      to_say_.clear();
     }
     if (stream_script && script >= 0) {
       static constexpr char k_state[1100] = {};

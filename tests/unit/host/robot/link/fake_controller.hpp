@@ -13,6 +13,7 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <vector>
 
 namespace biteline::robot::test {
 
@@ -62,8 +63,12 @@ class FakeController {
   std::atomic<bool> mute_dashboard{false};    ///< takes words, answers none
   std::atomic<bool> refuse_dashboard{false};  ///< hears nothing that is said there
   std::atomic<bool> close_script{false};      ///< set to close the script connections once; cleared when done
+  std::atomic<bool> shut_script{false};       ///< set to close them and to take no further one
   std::atomic<bool> stream_script{false};     ///< a state of some 1100 bytes each cycle on the script port
   std::atomic<int> script_connections{0};
+
+  /// Once, on the script connection, on the next cycle.
+  void say_on_script(std::vector<std::uint8_t> bytes);
 
   /// Answers of the dashboard by command; others: "Stopped".  Set before a link is opened.
   std::map<std::string, std::string> answers;
@@ -87,6 +92,7 @@ class FakeController {
   std::uint16_t rtde_port_{0}, script_port_{0}, dashboard_port_{0};
   mutable std::mutex mutex_;
   std::string script_, dashboard_;
+  std::vector<std::uint8_t> to_say_;
   Times times_;
   Play play_;
   double cycle_s_;

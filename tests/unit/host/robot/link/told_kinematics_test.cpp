@@ -8,25 +8,14 @@
 
 #include "common/rtde/big_endian.hpp"
 #include "tests/support/errors.hpp"
+#include "tests/unit/host/robot/link/said_bytes.hpp"
 
 namespace biteline::robot::ur {
 namespace {
 
-using Bytes = std::vector<std::uint8_t>;
-
-Bytes framed(std::uint8_t type, const Bytes& body) {
-  Bytes out;
-  rtde::Writer writer{out};
-  writer.put(static_cast<std::uint32_t>(body.size() + 5));
-  writer.put(type);
-  out.insert(out.end(), body.begin(), body.end());
-  return out;
-}
-
-Bytes operator+(Bytes a, const Bytes& b) {
-  a.insert(a.end(), b.begin(), b.end());
-  return a;
-}
+using test::Bytes;
+using test::framed;
+using test::joined;
 
 /// theta i, a 10 + i, d 20 + i, alpha i / 10, each of joint i; a and d in metres.
 Bytes info(double theta = 0) {
@@ -47,8 +36,8 @@ TEST_GROUP(ToldKinematics){};
 
 TEST(ToldKinematics, AreFoundAmongOtherPartsAndMessages) {
   const Bytes version = framed(20, Bytes(30, 1)), mode = framed(0, Bytes(42, 9));
-  const Bytes stream =
-      version + framed(16, mode) + framed(16, mode + framed(5, info()) + framed(6, Bytes(80, 2)));
+  const Bytes stream = joined(
+      {version, framed(16, mode), framed(16, joined({mode, framed(5, info()), framed(6, Bytes(80, 2))}))});
   const auto sut = kinematics_in(stream);
   SUCCEEDS(sut);
   CHECK(sut->has_value());
