@@ -99,7 +99,11 @@ Undo press_protective_stop(Stand& stand) {
 
 Undo take_local_control(Stand& stand) {
   stand.cell().robot().set_remote_control(false);
-  return undo_with([&stand] { stand.cell().robot().set_remote_control(true); });
+  // A stop: it goes on when somebody says start.
+  return undo_with([&stand] {
+    stand.cell().robot().set_remote_control(true);
+    stand.page().say_start();
+  });
 }
 
 constexpr unsigned k_dark = any_of({Refused});

@@ -115,6 +115,10 @@ std::string Page::visit(std::uint16_t port, const std::stop_token& stop) {
       const int status = asks.ask("GET", "/api/v1/state", bearer()).status;
       if (status == 0 || status == 401) return "state: " + std::to_string(status);
       if (status == 200) ++answers_;
+      if (starts_) {
+        asks.ask("POST", "/api/v1/control", bearer(), R"({"action":"take"})");
+        if (asks.ask("POST", "/api/v1/commands/start", bearer(), "{}").status == 202) starts_ = false;
+      }
     }
     if (!live.readable(k_look_ms)) continue;
     const auto frame = live.frame();

@@ -40,6 +40,8 @@ class Page {
   [[nodiscard]] intake::ChildProcess& program() { return *program_; }
   /// A slow browser: it takes nothing more until told so.
   void stop_reading(bool stop) { still_ = stop; }
+  /// The viewer says start, until it is taken.
+  void say_start() { starts_ = true; }
   [[nodiscard]] Seen seen() const;
 
  private:
@@ -51,6 +53,7 @@ class Page {
   std::uint16_t port_wanted_{0};  ///< the same again, as a browser expects
   std::atomic<std::uint16_t> port_{0};
   std::atomic<bool> still_{false};
+  std::atomic<bool> starts_{false};
   std::atomic<std::uint64_t> pictures_{0}, profiles_{0}, answers_{0};
   mutable std::mutex mutex_;
   std::map<std::string, int> losses_;

@@ -90,6 +90,9 @@ class Cockpit final : public api::Cell {
   void drop(const Wish& wish);
   /// As a stop that no person said.
   void halt() { stops_.stop(); }
+  /// A person at the arm's pendant has taken it: a stop, also in the log.  Where no doors are open nobody can
+  /// say start: giving the arm back is the word to go on with the next scan.
+  void taken_at_the_pendant();
   /// Of the last start that was taken; of the service's own until there is one.
   [[nodiscard]] robot::StopMark going() const;
   /// No new scan is asked for.

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "host/apps/biteline-host/cockpit.hpp"
+#include "host/apps/biteline-host/service_words.hpp"
 #include "host/apps/biteline-host/steps.hpp"
 #include "host/records/evidence/evidence.hpp"
 
@@ -34,6 +35,27 @@ void Cockpit::end_all(Wish::Kind kind, const std::string& who) {
   stopped_by_ = who;
   if (!held_.empty()) ended_ = std::exchange(held_, {});
   wish_locked({.kind = kind, .who = who});
+}
+
+void Cockpit::taken_at_the_pendant() {
+  const std::string who = "somebody at the pendant";
+  if (has_doors()) {
+    end_all(Wish::Kind::Stop, who);
+  } else {
+    stops_.stop();
+    const std::lock_guard lock{mutex_};
+    go_ = stops_.now();
+    wish_locked({.kind = Wish::Kind::Stop, .who = who});
+  }
+  const Result<void> logged = memory_.log({.id = 0,
+                                           .time = memory::now_ms(),
+                                           .who = who,
+                                           .door = "pendant",
+                                           .action = "stop",
+                                           .subject = "cell",
+                                           .before = {},
+                                           .after = "local control"});
+  if (!logged) complain(logged.error());
 }
 
 Result<void> Cockpit::start(const api::Job& job, const api::Speaker& said) {

@@ -124,6 +124,7 @@ Result<ExitStatus> Service::run(const std::atomic<bool>& stop) {
   stop_ = &stop;
   if (const Result<int> rows = take_up_rows(cockpit_->memory(), options_.out); !rows) complain(rows.error());
   if (cockpit_->has_doors()) say_step("doors come in at %s", cockpit_->address().c_str());
+  BITELINE_TRY(watch_pendant());
   take_up_order();
   find_unfinished();
   look_for_next_folder();

@@ -24,6 +24,7 @@
 #include "host/records/report/file_lock.hpp"
 #include "host/robot/kinematics/arm_model.hpp"
 #include "host/robot/link/ur/arm_claim.hpp"
+#include "host/robot/link/ur/pendant_watch.hpp"
 #include "host/robot/path/process.hpp"
 
 namespace biteline::service {
@@ -149,6 +150,8 @@ class Service {
   /// The arm is there, of the right kind and in remote control, or there is none; asked before a scan is
   /// spent.
   [[nodiscard]] bool robot_ready();
+  /// From now on whoever takes local control at the pendant says stop.
+  [[nodiscard]] Result<void> watch_pendant();
   /// biteline-web beside this service, and again when it ended.
   void keep_web();
   void show_idle();
@@ -265,8 +268,9 @@ class Service {
   std::optional<Carrier> carrier_;
   Locks locks_;
   std::unique_ptr<Cockpit> cockpit_;
-  std::optional<Confirm> confirm_;                ///< until it is used up
-  std::deque<std::filesystem::path> unfinished_;  ///< folders, still to be taken up
+  std::optional<Confirm> confirm_;                      ///< until it is used up
+  std::unique_ptr<robot::ur::PendantWatch> pendant_{};  ///< of an arm that paths are sent to
+  std::deque<std::filesystem::path> unfinished_;        ///< folders, still to be taken up
   std::unique_ptr<intake::SensorLink> link_;
   std::optional<Scan> scan_;  ///< coming in
   int links_{0};              ///< opened to the sensor so far

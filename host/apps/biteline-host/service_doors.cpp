@@ -264,6 +264,15 @@ void Service::heed(const Wish& wish) {
   }
 }
 
+Result<void> Service::watch_pendant() {
+  if (!robot_ || !robot_->options.send) return {};
+  BITELINE_ASSIGN(const robot::ur::Endpoint dashboard, dashboard_of(controller_of(robot_->options)));
+  pendant_ = std::make_unique<robot::ur::PendantWatch>(
+      robot::ur::PendantWatch::Config{.dashboard = dashboard},
+      [cockpit = cockpit_.get()] { cockpit->taken_at_the_pendant(); });
+  return {};
+}
+
 bool Service::robot_ready() {
   if (!robot_ || !robot_->options.send) return true;
   if (robot_wrong_ && now() - robot_asked_ < k_between_looks) return false;

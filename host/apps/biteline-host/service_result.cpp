@@ -321,6 +321,7 @@ Result<ExitStatus> Service::work_out_path(Scan& scan, const intake::ScanOutcome&
                    .mounted = taught,
                    .mark = scan.mark,
                    .claim = locks_.claim.get(),
+                   .pendant = pendant_.get(),
                    .looked_at = scan.folder,
                    .written = scan.chosen.written,
                    .process_file = taken_of(scan.chosen).file};

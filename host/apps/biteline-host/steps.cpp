@@ -223,6 +223,15 @@ Result<void> write_followed(const fs::path& folder, const robot::FollowReport& f
   return report::write_file_atomically(folder / "followed.json", report::to_text(json) + "\n");
 }
 
+/// The follower asks for remote control itself, more often than the watch over the pendant does.
+Result<void> follow_watched(robot::RobotLink& link, const robot::PermittedPath& path, const PlanStep& plan,
+                            const SendRequest& request, robot::FollowReport& followed) {
+  const robot::ur::PendantWatch::Rest rest{request.pendant};
+  robot::FollowOptions options{.limits = plan.request.process.follow};
+  if (request.pendant != nullptr) options.taken = [&request] { request.pendant->tell_taken(); };
+  return robot::follow(link, path, options, followed);
+}
+
 }  // namespace
 
 void say_step(const char* pattern, ...) {
@@ -415,8 +424,7 @@ Result<ExitStatus> follow_path(const fs::path& folder, const PlanStep& plan, con
   say_step("sends the path to %s", request.controller.script.c_str());
   robot::FollowReport followed;
   std::future<Result<void>> beside = begin_beside_arm(std::move(meanwhile));
-  const Result<void> done =
-      robot::follow(*link, *gate.path, {.limits = plan.request.process.follow}, followed);
+  const Result<void> done = follow_watched(*link, *gate.path, plan, request, followed);
   if (const Result<void> written = beside.get(); !written) complain(written.error());
   if (!followed.sent && request.mark.stopped()) return stopped();
   // As far as it went, also when it was stopped.

@@ -17,6 +17,7 @@
 #include "host/records/memory/memory.hpp"
 #include "host/records/report/refusal.hpp"
 #include "host/robot/link/gate/gate.hpp"
+#include "host/robot/link/ur/pendant_watch.hpp"
 #include "host/robot/path/plan.hpp"
 #include "host/robot/path/process.hpp"
 #include "host/transfer/transfer.hpp"
@@ -98,12 +99,13 @@ struct SendRequest {
   double confidence{0};                   ///< of the line
   std::optional<robot::Word> approved{};  ///< a person's, on this result
   std::optional<HostClock::time_point> scan_ended{};
-  path::Mounted mounted{};               ///< as it is taught when the path is sent
-  robot::StopMark mark{};                ///< of the order that the scan came of
-  robot::ur::ArmClaim* claim{nullptr};   ///< of the dead man; outlives the following
-  std::filesystem::path looked_at{};     ///< the scan's folder: what is compared with `written`
-  memory::Evidence written{};            ///< what the path was planned of
-  std::filesystem::path process_file{};  ///< where its process was read
+  path::Mounted mounted{};                    ///< as it is taught when the path is sent
+  robot::StopMark mark{};                     ///< of the order that the scan came of
+  robot::ur::ArmClaim* claim{nullptr};        ///< of the dead man; outlives the following
+  robot::ur::PendantWatch* pendant{nullptr};  ///< rests meanwhile, and is told; outlives the following
+  std::filesystem::path looked_at{};          ///< the scan's folder: what is compared with `written`
+  memory::Evidence written{};                 ///< what the path was planned of
+  std::filesystem::path process_file{};       ///< where its process was read
 };
 
 /// Where the arm stands, checks its way to the path from there, asks the controller about itself, opens the

@@ -85,8 +85,10 @@ class Run {
       const Result<RobotState> state = link_.wait_newer(newest_.sequence, k_look);
       const bool newer = state && state->sampled > newest_.sampled;
       if (mark_.stopped()) return HaltReason{Halt::Person, "the service was told to stop"};
-      if (link_.remote_control() == false)
+      if (link_.remote_control() == false) {
+        if (options_.taken) options_.taken();
         return HaltReason{Halt::LocalControl, "the controller was put into local control"};
+      }
       if (auto deaf = look_at_link(state)) return deaf;
       link_.beat();
       // An instant that was heard already, or an older one, says nothing about now.

@@ -2,6 +2,7 @@
 #pragma once
 /// \file Send a path, watch the arm follow it, and say how well it did.
 
+#include <functional>
 #include <optional>
 
 #include "host/robot/link/ending.hpp"
@@ -21,6 +22,8 @@ struct FollowOptions {
   double rest_patience_s{2};      ///< from a stop to the arm at rest
   double output_patience_s{0.5};  ///< from a program's end or a stop to the tool's output seen off
   path::FollowLimits limits{};    ///< beyond one of them the arm is stopped
+  /// Called at once when somebody at the pendant has taken the arm, before it is stopped.
+  std::function<void()> taken{};
 };
 
 struct FollowReport {

@@ -12,6 +12,7 @@
 #include "hal/sim/live/urgency.hpp"
 #include "host/robot/link/follow.hpp"
 #include "host/robot/link/ur/arm_claim.hpp"
+#include "host/robot/link/ur/pendant_watch.hpp"
 #include "host/robot/link/ur/script.hpp"
 #include "host/robot/link/ur/ur_link.hpp"
 #include "tests/soak/controller_between.hpp"
@@ -258,6 +259,49 @@ ORDINARY_TIMED_TEST(DeadMan, StatesThatComeLaterAndLaterStopTheArm) {
   std::printf("%s, %.2f s after the lag began\n", to_line(followed.error()).c_str(), stopped_s);
   CHECK(stopped_s < 2);  // 0.1 s of lag are there after 0.83 s
   CHECK(is_safe());
+}
+
+/// Following and between two paths alike: what was ordered before is over.
+ORDINARY_TIMED_TEST(DeadMan, LocalControlAtThePendantIsAStop) {
+  std::atomic<int> taken{0};
+  ur::PendantWatch pendant{
+      {.dashboard = {"127.0.0.1", between->dashboard_port()}, .period = milliseconds{20}}, [&] {
+        said.stop();
+        ++taken;
+      }};
+  const auto held = claim();
+  const auto robot = link(held.get());
+  const PermittedPath permitted = from_here(*robot);
+  std::thread person{[&] {
+    static_cast<void>(comes(60, [&] { return tool_on(); }));
+    controller->set_remote_control(false);
+  }};
+  FollowReport report;
+  {
+    const ur::PendantWatch::Rest rest{&pendant};
+    const auto followed = follow(*robot, permitted, {.taken = [&] { pendant.tell_taken(); }}, report);
+    CHECK(!followed.has_value());
+  }
+  person.join();
+  STRCMP_EQUAL("local_control", report::refusal_row(report.halt->code).name);
+  LONGS_EQUAL(1, taken);
+  CHECK(permitted.mark().stopped());
+  CHECK(is_safe());
+  CHECK(report.ending.at_rest);
+  CHECK(report.ending.tool == ToolOutput::Off);
+  // The same deed is no second one, giving the arm back is none, and taking it from an arm that rests is.
+  std::this_thread::sleep_for(milliseconds{500});
+  controller->set_remote_control(true);
+  std::this_thread::sleep_for(milliseconds{500});
+  LONGS_EQUAL(1, taken);
+  const StopMark mark = said.now();
+  controller->set_remote_control(false);
+  CHECK(comes(20, [&] { return mark.stopped(); }));
+  LONGS_EQUAL(2, taken);
+  FollowReport none;
+  CHECK(
+      !follow(*robot, test::permitted(permitted.path(), robot->latest()->q_rad, mark), {}, none).has_value());
+  CHECK_FALSE(none.sent);
 }
 
 TEST(DeadMan, WholeRunIsDoneAndSeenAtRest) {

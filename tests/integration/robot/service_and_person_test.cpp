@@ -187,6 +187,39 @@ TEST(ServiceAndPerson, RejectedScanKeepsItsReasonAndAnotherServiceRemembersIt) {
   CHECK(fs::exists(results() / "scan-0001/stages/6_sequence.png"));
 }
 
+TEST(ServiceAndPerson, LocalControlAtThePendantEndsWhatWaitsAndOnlyAStartBeginsAnew) {
+  leave_scan("scan-0001");
+  ChildProcess host = start(holding(), {"--confirm", "scan-0001"});
+  Page page{address_told(host)};
+  page.begin();
+  static_cast<void>(
+      page.scan_once("scan-0001", [](const control::Json& scan) { return scan["decision"] == "held"; }));
+  page.wait_until_deciding();
+  // The watch has seen it in remote control.
+  std::this_thread::sleep_for(1500ms);
+  STRCMP_EQUAL("deciding", page.ask("GET", "/state").body["phase"].get<std::string>().c_str());
+  controller.local_control = true;
+  const control::Json row = page.scan_once(
+      "scan-0001", [](const control::Json& scan) { return scan["reason_code"] == "stopped_by_a_person"; });
+  STRCMP_EQUAL("stopped_by_a_person", row["reason_code"].get<std::string>().c_str());
+  // Giving it back takes nothing back.
+  controller.local_control = false;
+  std::this_thread::sleep_for(1500ms);
+  const control::Json state = page.ask("GET", "/state").body;
+  STRCMP_EQUAL("stopped", state["phase"].get<std::string>().c_str());
+  STRCMP_CONTAINS("somebody at the pendant", state["now"].get<std::string>().c_str());
+  CHECK(state["held"].is_null());
+  const control::Answer accept = page.ask("POST", "/scans/scan-0001/accept");
+  LONGS_EQUAL(409, accept.status);
+  STRCMP_CONTAINS("was stopped", test::text_of(accept.body).c_str());
+  LONGS_EQUAL(202, page.ask("POST", "/commands/start").status);
+  const auto until = std::chrono::steady_clock::now() + k_patience;
+  while (page.ask("GET", "/state").body["phase"] == "stopped" && std::chrono::steady_clock::now() < until)
+    std::this_thread::sleep_for(50ms);
+  CHECK(page.ask("GET", "/state").body["phase"] != "stopped");
+  CHECK(controller.script().empty());
+}
+
 TEST(ServiceAndPerson, StopAtTheCellNeedsNoLoginAndEndsThePlansOfTheService) {
   ChildProcess host = start(holding(), {});
   Page page{address_told(host)};

@@ -296,9 +296,9 @@ Result<void> UrLink::send(const PermittedPath& permitted) {
   script_heard_.clear();
   script_lived_ = now();
   output_ = permitted.path().path().digital_output;
-  asked_ = doubted_ = false;
+  asked_ = false;
   asked_at_ = {};
-  remote_.reset();
+  remote_.forget();
   const std::string program = urscript(permitted.path(), beat_register);
   // The last look: from here on the watch over the arm heeds a stop.
   if (permitted.mark().stopped()) return fail(Errc::Refused, "robot: stopped before the path was sent");
@@ -331,7 +331,7 @@ Result<void> UrLink::stop() {
     for (Delivery& word : words) word.use_fresh();
   }
   asked_ = false;
-  remote_.reset();
+  remote_.forget();
   return deliver(words, k_stop_patience);
 }
 
@@ -373,27 +373,19 @@ void UrLink::keep_script_open() {
 }
 
 std::optional<bool> UrLink::remote_control() {
-  if (!dashboard_.is_open()) return remote_;
+  if (!dashboard_.is_open()) return remote_.told();
   const HostClock::time_point time = now();
   if (!asked_) {
-    if (time - asked_at_ < k_remote_period) return remote_;
+    if (time - asked_at_ < k_remote_period) return remote_.told();
     asked_at_ = time;
-    asked_ = dashboard_.say("is in remote control").has_value();
-    return remote_;
+    asked_ = dashboard_.say(k_remote_question).has_value();
+    return remote_.told();
   }
   const Result<std::string> answer = dashboard_.hear(Nanoseconds{0});
-  if (!answer && answer.error().code == Errc::Timeout) return remote_;
+  if (!answer && answer.error().code == Errc::Timeout) return remote_.told();
   asked_ = false;
-  const bool no = answer && *answer == "false";
-  // One "no" may be a mistake: it is asked again at once, and two in a row are believed.
-  if (no && !std::exchange(doubted_, true)) {
-    asked_at_ = {};
-    return remote_;
-  }
-  doubted_ = no;
-  remote_.reset();
-  if (no || (answer && *answer == "true")) remote_ = !no;
-  return remote_;
+  if (!remote_.hear(answer.value_or(""))) asked_at_ = {};
+  return remote_.told();
 }
 
 void UrLink::start_recording() {

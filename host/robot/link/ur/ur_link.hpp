@@ -12,6 +12,7 @@
 #include "host/robot/link/robot_link.hpp"
 #include "host/robot/link/state_age.hpp"
 #include "host/robot/link/ur/dashboard.hpp"
+#include "host/robot/link/ur/remote_control.hpp"
 #include "host/robot/link/ur/tcp_stream.hpp"
 
 namespace biteline::rtde {
@@ -104,9 +105,8 @@ class UrLink final : public RobotLink {
   int stops_{0};                                           ///< since then
   int output_{-1};                                         ///< that the sent path switches on
   bool asked_{false};    ///< whether it is in remote control, and not answered yet
-  bool doubted_{false};  ///< it said no, once
   HostClock::time_point asked_at_{};
-  std::optional<bool> remote_;
+  RemoteControl remote_;
   std::thread thread_;
 };
 

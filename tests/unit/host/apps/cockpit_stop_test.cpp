@@ -30,8 +30,9 @@ TEST_GROUP(CockpitStop) {
   robot::Stops stops;
   std::unique_ptr<Cockpit> sut;
 
-  void open(const std::vector<line_control::Job>& jobs = {}) {
+  void open(const std::vector<line_control::Job>& jobs = {}, bool doors = false) {
     CockpitConfig config;
+    if (doors) config.endpoint = *wire::parse_endpoint("tcp://127.0.0.1:0");
     config.results = folder.path();
     config.arm = "UR5e";
     config.rerun_arm =
@@ -187,6 +188,38 @@ TEST(CockpitStop, AfterAStopOnlyAStartBegins) {
       if (mark) CHECK_FALSE(mark->stopped());
     }
   }
+}
+
+TEST(CockpitStop, WhoTakesTheArmAtThePendantEndsWhatWasSaidBefore) {
+  for (const Order& order : orders()) {
+    open({}, true);
+    order.prepare();
+    CHECK_TEXT(order.say(stops.count()), order.name);
+    const robot::StopMark going = sut->going();
+    sut->taken_at_the_pendant();
+    LONGS_EQUAL_TEXT(0, alive(), order.name);
+    CHECK_TEXT(going.stopped() && sut->paused() && !sut->begin_cycle(), order.name);
+    CHECK_TEXT(sut->state()["held"].is_null(), order.name);
+    STRCMP_EQUAL("stopped", state("phase").c_str());
+    STRCMP_CONTAINS("stopped by somebody at the pendant", state("now").c_str());
+  }
+  const auto rows = sut->memory().log_rows(0, 1);
+  SUCCEEDS(rows);
+  STRCMP_EQUAL("stop", rows->front().action.c_str());
+  STRCMP_EQUAL("pendant", rows->front().door.c_str());
+  SUCCEEDS(sut->start({}, {"ada", stops.count()}));
+  CHECK(sut->begin_cycle().has_value());
+}
+
+TEST(CockpitStop, WithoutDoorsGivingTheArmBackIsTheWordToGoOn) {
+  open();
+  const robot::StopMark before = sut->going();
+  sut->taken_at_the_pendant();
+  CHECK(before.stopped());
+  const std::optional<Wish> wish = sut->next_wish();
+  CHECK(wish && wish->kind == Wish::Kind::Stop);
+  const std::optional<robot::StopMark> mark = sut->begin_cycle();
+  CHECK(mark && !mark->stopped());
 }
 
 TEST(CockpitStop, AStopBetweenTheCheckOfTheRobotAndTheAskingIsOne) {

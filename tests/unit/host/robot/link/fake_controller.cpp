@@ -112,27 +112,30 @@ void FakeController::read_script(int client) {
     times_.output_off = Clock::now();
 }
 
-void FakeController::read_dashboard(int client) {
+bool FakeController::read_dashboard(Asker& asker) {
   const std::lock_guard lock{mutex_};
-  if (refuse_dashboard) return;
-  std::size_t at = dashboard_.size();
-  read_into(dashboard_, client);
-  for (std::size_t end = dashboard_.find('\n', at); end != std::string::npos;
-       end = dashboard_.find('\n', at)) {
-    const std::string command = dashboard_.substr(at, end - at);
-    at = end + 1;
+  if (refuse_dashboard) return true;
+  const bool there = read_into(asker.heard, asker.client);
+  for (std::size_t end = asker.heard.find('\n'); end != std::string::npos; end = asker.heard.find('\n')) {
+    const std::string command = asker.heard.substr(0, end);
+    asker.heard.erase(0, end + 1);
+    dashboard_ += command + "\n";
     if (command == "stop" && !times_.stop) times_.stop = Clock::now();
     if (command == "stop") ++times_.stop_words;
-    if (mute_dashboard) continue;
-    if (command == "is in remote control" && (!remote_ || noes > 0)) {
-      --noes;
-      static_cast<void>(send(client, "false\n", 6, MSG_NOSIGNAL));
-      continue;
-    }
-    const auto known = answers.find(command);
-    const std::string answer = (known == answers.end() ? "Stopped" : known->second) + "\n";
-    static_cast<void>(send(client, answer.data(), answer.size(), MSG_NOSIGNAL));
+    if (!mute_dashboard) answer(asker.client, command);
   }
+  return there;
+}
+
+void FakeController::answer(int client, const std::string& command) {
+  const auto known = answers.find(command);
+  std::string text = known == answers.end() ? "Stopped" : known->second;
+  if (command == "is in remote control" && (!remote_ || local_control || noes > 0)) {
+    --noes;
+    text = "false";
+  }
+  text += "\n";
+  static_cast<void>(send(client, text.data(), text.size(), MSG_NOSIGNAL));
 }
 
 void FakeController::serve() {
@@ -142,7 +145,8 @@ void FakeController::serve() {
   };
   std::vector<Client> clients;
   const auto owners = std::make_shared<rtde::InputOwners>();
-  int script = -1, dashboard = -1;
+  int script = -1;
+  std::vector<Asker> askers;
   Values values;
   double time_s = 10, turned_rad = 0, script_at_s = -1;
   Deaf deaf;
@@ -186,7 +190,8 @@ void FakeController::serve() {
       static constexpr char k_state[1100] = {};
       static_cast<void>(send(script, k_state, sizeof k_state, MSG_NOSIGNAL | MSG_DONTWAIT));
     }
-    if ((entries[2].revents & POLLIN) != 0) replace(dashboard, dashboard_listener_);
+    if ((entries[2].revents & POLLIN) != 0)
+      askers.push_back({.client = accept(dashboard_listener_, nullptr, nullptr), .heard = {}});
     const bool dropped = drop.exchange(false);
     std::erase_if(clients, [&](Client& client) {
       std::string text;
@@ -232,12 +237,15 @@ void FakeController::serve() {
       }
     }
     if (script >= 0) read_script(script);
-    if (dashboard >= 0) read_dashboard(dashboard);
+    std::erase_if(askers, [this](Asker& asker) {
+      const bool there = read_dashboard(asker);
+      if (!there) close(asker.client);
+      return !there;
+    });
   }
   for (const Client& client : clients) close(client.socket);
-  for (const int client : {script, dashboard}) {
-    if (client >= 0) close(client);
-  }
+  for (const Asker& asker : askers) close(asker.client);
+  if (script >= 0) close(script);
 }
 
 }  // namespace biteline::robot::test

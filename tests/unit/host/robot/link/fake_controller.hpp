@@ -60,6 +60,7 @@ class FakeController {
   std::atomic<bool> drop{false};     ///< set to drop the RTDE connection once; cleared when done
   std::atomic<int> rtde_connections{0};
   std::atomic<int> noes{0};                   ///< times that it says it is in local control, though it is not
+  std::atomic<bool> local_control{false};     ///< somebody at the pendant has taken it
   std::atomic<bool> mute_dashboard{false};    ///< takes words, answers none
   std::atomic<bool> refuse_dashboard{false};  ///< hears nothing that is said there
   std::atomic<bool> close_script{false};      ///< set to close the script connections once; cleared when done
@@ -86,7 +87,14 @@ class FakeController {
  private:
   void serve();
   void read_script(int client);
-  void read_dashboard(int client);
+  /// One who asks at the dashboard, and what has come of a line.
+  struct Asker {
+    int client;
+    std::string heard;
+  };
+  /// false: it has gone.
+  bool read_dashboard(Asker& asker);
+  void answer(int client, const std::string& command);
 
   int rtde_listener_{-1}, script_listener_{-1}, dashboard_listener_{-1};
   std::uint16_t rtde_port_{0}, script_port_{0}, dashboard_port_{0};
