@@ -162,6 +162,13 @@ bool Cockpit::wants_hold(const std::string& scan) const {
 void Cockpit::show(Phase phase, const std::string& now, const std::string& next) {
   {
     const std::lock_guard lock{mutex_};
+bool Cockpit::wants_hold_at_last(const std::string& scan) {
+  const std::lock_guard lock{mutex_};
+  if (hold_all_ || hold_wanted_ == scan) return true;
+  past_hold_ = scan;
+  return false;
+}
+
     if (phase_ == phase && now_ == now && next_ == next) return;
     phase_ = phase;
     now_ = now;

@@ -99,6 +99,9 @@ class Cockpit final : public api::Cell {
   [[nodiscard]] bool paused() const { return paused_; }
   /// A person wants to see this scan before it is sent.
   [[nodiscard]] bool wants_hold(const std::string& scan) const;
+  /// The last look, of a scan that goes to the arm else: from now on whoever wants it held is told that it is
+  /// too late, and to say stop.
+  [[nodiscard]] bool wants_hold_at_last(const std::string& scan);
 
   void show(Phase phase, const std::string& now, const std::string& next);
   void show_scan(const std::string& scan);
@@ -240,6 +243,7 @@ class Cockpit final : public api::Cell {
   robot::StopMark go_;  ///< of the last start
   std::deque<Wish> wishes_;
   std::string hold_wanted_;
+  std::string past_hold_;  ///< a scan that nobody can hold any more
   bool hold_all_{false};   ///< of the job that a person started
   bool hold_kept_{false};  ///< as it stands in the memory
   std::string held_;

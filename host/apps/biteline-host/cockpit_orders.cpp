@@ -202,6 +202,9 @@ Result<void> Cockpit::decide(const api::Decision& decision) {
                   "%s is another version by now than the one that was looked at; look again",
                   decision.scan.c_str());
     in_work = !held && hold_wanted_ == decision.scan;
+    if (decision.kind == Hold && !held && past_hold_ == decision.scan)
+      return fail(Errc::WrongState, "it is too late to hold %s; stop the arm (POST /commands/stop)",
+                  decision.scan.c_str());
     if (decision.kind == Hold && !held && scan_ == decision.scan &&
         (phase_ == Phase::Scanning || phase_ == Phase::Working)) {
       hold_wanted_ = decision.scan;

@@ -327,8 +327,12 @@ Result<ExitStatus> Service::work_out_path(Scan& scan, const intake::ScanOutcome&
                    .process_file = taken_of(scan.chosen).file};
   if (options_.stop_on_drift) check_own_calibration(scan, outcome);
   const bool drift_stops = scan.drifted && options_.stop_on_drift;
-  const bool hold = cockpit_->wants_hold(name) || !scan.chosen.other_process.empty();
-  const bool asks = needs_a_person(process_of(scan.chosen).gate, line.confidence) || hold || drift_stops;
+  const bool must = needs_a_person(process_of(scan.chosen).gate, line.confidence) || drift_stops ||
+                    !scan.chosen.other_process.empty();
+  const bool goes = wanted && !must;
+  const bool hold = (goes ? cockpit_->wants_hold_at_last(name) : cockpit_->wants_hold(name)) ||
+                    !scan.chosen.other_process.empty();
+  const bool asks = must || hold;
   const bool waits_for_person = wanted && asks && !facts.confirmed && cockpit_->has_doors();
   if (waits_for_person || (held && robot_->options.send)) {
     say_step("%s is held: a person must %s%s%s", name.c_str(),

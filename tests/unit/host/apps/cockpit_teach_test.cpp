@@ -2,6 +2,9 @@
 // What is taught waits for a person: from the start on, and between its words.
 #include <CppUTest/TestHarness.h>
 
+#include <atomic>
+#include <thread>
+
 #include "host/apps/biteline-host/cockpit.hpp"
 #include "tests/support/errors.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -165,6 +168,49 @@ TEST(CockpitTeach, AHoldStaysOneWhenTheModelIsNamed) {
   sut->hold("scan-0001", Cockpit::Wait::Model);
   SUCCEEDS(sut->choose_model("scan-0001", "boot", "ada"));
   CHECK(sut->wants_hold("scan-0001"));
+}
+
+TEST(CockpitTeach, AHoldThatComesTooLateIsToldSo) {
+  using enum api::Decision::Kind;
+  open(true);
+  const api::Decision hold{.kind = Hold, .scan = "scan-0001", .who = "ada", .why = "wait", .door = "web"};
+  sut->show_scan("scan-0001");
+  sut->show(Phase::Working, "scan-0001", "its path");
+  CHECK_FALSE(sut->wants_hold_at_last("scan-0001"));
+  FAILS_NAMING(Errc::WrongState, "too late to hold scan-0001; stop the arm", sut->decide(hold));
+  CHECK_FALSE(sut->wants_hold("scan-0001"));
+  // It says nothing of the next one.
+  sut->show_scan("scan-0002");
+  api::Decision next = hold;
+  next.scan = "scan-0002";
+  SUCCEEDS(sut->decide(next));
+  CHECK(sut->wants_hold_at_last("scan-0002"));
+}
+
+/// Whoever is answered "held" sees it held, at whatever moment he says so.
+TEST(CockpitTeach, AHoldBesideTheLastLookIsEitherHeededOrRefused) {
+  using enum api::Decision::Kind;
+  open(true);
+  int heeded = 0;
+  for (int round = 0; round < 200; ++round) {
+    const std::string scan = "scan-" + std::to_string(1000 + round);
+    sut->show_scan(scan);
+    sut->show(Phase::Working, scan, "its path");
+    std::atomic<bool> go{false};
+    bool taken = false;
+    std::thread person{[&] {
+      while (!go) std::this_thread::yield();
+      taken = sut->decide({.kind = Hold, .scan = scan, .who = "ada", .why = "so", .door = "web"}).has_value();
+    }};
+    go = true;
+    if (round % 4 == 0) person.join();
+    for (int wait = 0; wait < round; ++wait) std::this_thread::yield();
+    const bool held = sut->wants_hold_at_last(scan);
+    if (person.joinable()) person.join();
+    CHECK_EQUAL_TEXT(taken, held, scan.c_str());
+    heeded += held ? 1 : 0;
+  }
+  CHECK(heeded >= 50);
 }
 
 TEST(CockpitTeach, NothingIsPlannedWithoutAnArm) {
