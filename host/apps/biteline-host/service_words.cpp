@@ -12,8 +12,9 @@ void complain(const Error& error) {
 }
 
 HostClock::time_point now() {
-  return HostClock::time_point{
-      std::chrono::duration_cast<Nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())};
+  std::timespec time{};
+  ::clock_gettime(CLOCK_BOOTTIME, &time);
+  return HostClock::time_point{std::chrono::seconds{time.tv_sec} + Nanoseconds{time.tv_nsec}};
 }
 
 std::optional<path::Fixture> fixture_of(const RobotOptions& robot) {

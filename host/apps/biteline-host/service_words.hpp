@@ -28,6 +28,8 @@ inline constexpr std::uint32_t k_last_own_id = 2;
 /// One line on standard error.
 void complain(const Error& error);
 
+/// Goes on while the machine is suspended, as the shoe grows older meanwhile: not to be compared with stamps
+/// of a link.
 [[nodiscard]] HostClock::time_point now();
 [[nodiscard]] std::string utc_now();
 [[nodiscard]] ControllerAddress controller_of(const RobotOptions& robot);

@@ -88,9 +88,7 @@ void fill_scan(const intake::ScanOutcome& scan, const std::string& release, repo
 }
 
 double seconds_since(HostClock::time_point instant) {
-  const auto now = std::chrono::steady_clock::now().time_since_epoch();
-  return 1e-9 * static_cast<double>(
-                    (std::chrono::duration_cast<Nanoseconds>(now) - instant.time_since_epoch()).count());
+  return 1e-9 * static_cast<double>((now() - instant).count());
 }
 
 /// Nothing where the process tells none.
