@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <mutex>
+#include <numbers>
 #include <utility>
 
 #include "common/core/fixed_text.hpp"
@@ -13,6 +14,7 @@
 #include "host/robot/kinematics/dh_rows.hpp"
 #include "host/robot/link/follow.hpp"
 #include "host/robot/link/ur/told_kinematics.hpp"
+#include "host/robot/path/mounted.hpp"
 
 namespace biteline::service {
 namespace {
@@ -99,6 +101,7 @@ ArmSeen see_arm(const ControllerAddress& controller, const kinematics::ArmModel&
   const Result<robot::RobotState> state =
       link ? (*link)->latest() : Result<robot::RobotState>{tl::unexpected<Error>{link.error()}};
   if (state) seen.q_rad = state->q_rad;
+  if (state) seen.T_flange_tcp = state->T_flange_tcp;
   if (!own) {
     say("the nominal " + nominal.name + "'s, some 2 mm beside the arm: " + to_line(own.error()));
     return seen;
@@ -123,6 +126,28 @@ ArmSeen see_arm(const ControllerAddress& controller, const kinematics::ArmModel&
                              tip_off_mm(nominal, *state))
           .view()});
   return seen;
+}
+
+std::string tool_difference(const path::Process& process, const SE3& T_flange_tcp) {
+  constexpr double k_turn_rad = 0.0175;
+  const SE3& own = process.tool.T_flange_tcp;
+  const double off_mm = (own.translation() - T_flange_tcp.translation()).norm();
+  const double off_rad = geometry::log_so3(own.linear().transpose() * T_flange_tcp.linear()).norm();
+  if (off_mm <= path::k_taught_tip_mm && off_rad <= k_turn_rad) return {};
+  const Vec3 told = T_flange_tcp.translation(), asked = own.translation();
+  return std::string{FixedText<400>::format(
+                         "the controller's tip stands at (%.1f, %.1f, %.1f) mm in the flange, that of %.60s "
+                         "at (%.1f, %.1f, %.1f): %.1f mm and %.1f degrees apart; the path's program sets "
+                         "the process's; where the pendant's was measured, mend tcp_position_mm and "
+                         "tcp_rotation_deg of the process",
+                         told.x(), told.y(), told.z(), process.name.c_str(), asked.x(), asked.y(), asked.z(),
+                         off_mm, off_rad * 180 / std::numbers::pi)
+                         .view()};
+}
+
+void say_tool_difference(const path::Process& process, const SE3& T_flange_tcp) {
+  const std::string words = tool_difference(process, T_flange_tcp);
+  say_when_new("tool", words.empty() ? "the controller's tip is that of " + process.name : words);
 }
 
 ControllerLook look_at_controller(const ControllerAddress& controller, const std::string& arm,

@@ -11,6 +11,7 @@
 #include "host/robot/kinematics/arm_model.hpp"
 #include "host/robot/link/ur/controller_words.hpp"
 #include "host/robot/link/ur/ur_link.hpp"
+#include "host/robot/path/process.hpp"
 
 namespace biteline::service {
 
@@ -49,11 +50,18 @@ struct ArmSeen {
   /// Its joints now [rad], for a path that begins near to them.  A wish and no check: follow_path() looks
   /// again.
   std::optional<kinematics::Joints> q_rad{};
+  std::optional<SE3> T_flange_tcp{};  ///< the tool that the controller reckons with now
 };
 
 /// What the controller tells within half a second; what it does not tell stays nominal, and that is said in
 /// one line when it is new.
 [[nodiscard]] ArmSeen see_arm(const ControllerAddress& controller, const kinematics::ArmModel& nominal);
+
+/// By name what differs between a process's tool and the controller's, as it was set up at the pendant or by
+/// the program before; empty: they agree within 1 mm and 1 degree.  The path's program sets the process's.
+[[nodiscard]] std::string tool_difference(const path::Process& process, const SE3& T_flange_tcp);
+/// Says it in one line when it is new.
+void say_tool_difference(const path::Process& process, const SE3& T_flange_tcp);
 
 /// What the controller says about itself before a scan, on stdout too; and whether the arm stands, so that no
 /// light goes on while an older program still moves it.

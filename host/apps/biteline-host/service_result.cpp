@@ -294,6 +294,7 @@ Result<ExitStatus> Service::work_out_path(Scan& scan, const intake::ScanOutcome&
   const std::string name = scan.folder.filename().string();
   BITELINE_ASSIGN(const path::Mounted taught, mounted());
   ArmSeen arm = scan.arm_seen.valid() ? scan.arm_seen.get() : ArmSeen{.arm = robot_->arm};
+  if (arm.T_flange_tcp) say_tool_difference(process_of(scan.chosen), *arm.T_flange_tcp);
   const PlanStepRequest request{.arm = std::move(arm.arm),
                                 .process = process_of(scan.chosen),
                                 .table_z_mm = robot_->options.table_z_mm,

@@ -17,12 +17,14 @@ TEST_GROUP(ControllerLook) {
                           {"get serial number", "20215500001"},
                           {"is in remote control", "true"}};
   }
-  ControllerLook look() const {
+  ControllerAddress address() const {
     const auto at = [](std::uint16_t port) { return "127.0.0.1:" + std::to_string(port); };
-    return look_at_controller({.rtde = at(controller.rtde_port()),
-                               .script = at(controller.script_port()),
-                               .dashboard = at(controller.dashboard_port())},
-                              "UR5e", "");
+    return {.rtde = at(controller.rtde_port()),
+            .script = at(controller.script_port()),
+            .dashboard = at(controller.dashboard_port())};
+  }
+  ControllerLook look() const {
+    return look_at_controller(address(), "UR5e", "");
   }
 };
 
@@ -47,6 +49,21 @@ ORDINARY_TIMED_TEST(ControllerLook, SilentControllerIsWrongAndNotJustMoving) {
   const ControllerLook sut = look();
   CHECK(!sut.wrong.empty());
   CHECK(!sut.moves);
+}
+
+ORDINARY_TIMED_TEST(ControllerLook, AToolThatIsNotTheProcesssIsToldByName) {
+  const ArmSeen seen = see_arm(address(), *kinematics::arm_model("UR5e"));
+  CHECK(seen.T_flange_tcp.has_value());
+  path::Process process = *path::read_process(std::filesystem::path{BITELINE_PROCESSES} / "grind.yaml");
+  const std::string words = tool_difference(process, *seen.T_flange_tcp);
+  for (const char* part : {"(0.0, 0.0, 150.0) mm", "that of grind at (0.0, 0.0, 180.0)",
+                           "30.0 mm and 0.0 degrees", "tcp_position_mm"})
+    STRCMP_CONTAINS(part, words.c_str());
+  process.tool.T_flange_tcp.translation() = Vec3{0.3, 0, 150.5};
+  STRCMP_EQUAL("", tool_difference(process, *seen.T_flange_tcp).c_str());
+  // The same place, and the tool points elsewhere.
+  process.tool.T_flange_tcp.linear() = Eigen::AngleAxisd{0.2, Vec3::UnitX()}.toRotationMatrix();
+  STRCMP_CONTAINS("11.5 degrees", tool_difference(process, *seen.T_flange_tcp).c_str());
 }
 
 ORDINARY_TIMED_TEST(ControllerLook, LocalControlIsSaidFirst) {
