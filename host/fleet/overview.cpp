@@ -16,6 +16,12 @@ constexpr const char* k_where =
     " FROM shoes WHERE ($1 = '' OR cell = $1) AND ($2 = '' OR model = $2) AND ($3 = '' OR verdict = $3) AND "
     "time >= to_timestamp($4::bigint / 1000.0) AND time < to_timestamp($5::bigint / 1000.0) AND ($6 = '' OR "
     "reason_code = $6)";
+/// As the database takes it.
+std::string zone_of_process() {
+  const std::string zone = memory::time_zone();
+  return zone.empty() ? "UTC" : zone;
+}
+
 /// A scan that a person ended on its way says nothing of a shoe.
 constexpr const char* k_no_stopped = " AND NOT (verdict = 'refused' AND reason_code = 'stopped_by_a_person')";
 constexpr const char* k_sums =
@@ -106,13 +112,12 @@ Result<memory::Trends> Overview::trends(const std::string& cell, const memory::S
   return centre_.work<memory::Trends>([&](Centre::State& state) {
     pqxx::work work{state.connection};
     memory::Trends trends;
-    const std::string zone = memory::time_zone();
     for (const pqxx::row& row :
          ask(work,
              std::string{"SELECT (extract(epoch FROM (date_trunc($7::text, (time AT TIME ZONE $8::text) - "
                          "$9::interval) + $9::interval) AT TIME ZONE $8::text) * 1000)::bigint AS bucket, "} +
                  k_sums + k_where + k_no_stopped + " GROUP BY bucket ORDER BY bucket",
-             cell, filter, span, zone.empty() ? "UTC" : zone, span == "hour" ? "00:00" : day.begin()))
+             cell, filter, span, zone_of_process(), span == "hour" ? "00:00" : day.begin()))
       trends.buckets.push_back(trend_of(row, 1, row[0].as<std::int64_t>()));
     for (const pqxx::row& row : ask(work,
                                     std::string{"SELECT reason_code, count(*)"} + k_where + k_no_stopped +
@@ -121,6 +126,20 @@ Result<memory::Trends> Overview::trends(const std::string& cell, const memory::S
       trends.reasons.push_back({.reason_code = row[0].as<std::string>(), .scans = row[1].as<std::int64_t>()});
     return trends;
   });
+}
+
+Result<void> Overview::keep_day(const memory::FactoryDay& day) {
+  const std::string zone = zone_of_process();
+  const Result<bool> kept = centre_.work<bool>([&](Centre::State& state) -> Result<bool> {
+    pqxx::work work{state.connection};
+    // One that the database does not know would make the view useless.
+    work.exec_params("SELECT now() AT TIME ZONE $1::text", zone);
+    work.exec_params("UPDATE factory_day SET zone = $1, begins = $2::interval", zone, day.begin());
+    work.commit();
+    return true;
+  });
+  if (!kept) return tl::unexpected<Error>{kept.error()};
+  return {};
 }
 
 Result<std::vector<Group>> Overview::groups(const memory::ScanFilter& filter) {

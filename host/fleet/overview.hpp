@@ -41,6 +41,9 @@ class Overview {
   /// `span`: hour, day or week, of the factory.
   [[nodiscard]] Result<memory::Trends> trends(const std::string& cell, const memory::ScanFilter& filter,
                                               const memory::FactoryDay& day, const std::string& span);
+  /// From now on the view `trends` counts by this day, in the process's time zone.  Errc::DeviceError: the
+  /// database does not know that zone, say, and nothing changes.
+  [[nodiscard]] Result<void> keep_day(const memory::FactoryDay& day);
   [[nodiscard]] Result<std::vector<Group>> groups(const memory::ScanFilter& filter);
   [[nodiscard]] Result<std::vector<LastHour>> last_hour();
 

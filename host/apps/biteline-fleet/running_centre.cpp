@@ -97,6 +97,7 @@ bool RunningCentre::open_centre() {
     return false;
   }
   centre_.emplace(std::move(*centre));
+  if (const Result<void> day = Overview{*centre_}.keep_day(options_.day); !day) say(to_line(day.error()));
   std::printf("biteline-fleet: connected to the database\n");
   std::fflush(stdout);
   return true;

@@ -99,6 +99,33 @@ def rows_are_the_shoes(factory):
     assert trends == [[str(total), str(total - total // 5), str(total // 5)]], (trends, total)
 
 
+def view_counts_by_the_factorys_day(factory):
+    """Two shoes of one morning in Shanghai are of one day, one before the first shift is of the day before."""
+    factory.sql("INSERT INTO books (cell, book, seq) VALUES ('cell-day', 'b', 4)")
+    for number, (time_utc, verdict, code) in enumerate((("2026-11-26 23:30Z", "ok", ""), ("2026-11-27 00:30Z", "review", "rivalled"),
+                                                        ("2026-11-26 21:30Z", "refused", "no_crease"),
+                                                        ("2026-11-27 00:40Z", "refused", "stopped_by_a_person"))):
+        factory.sql("INSERT INTO shoes (cell, book, scan, first_seq, last_seq, time, model, verdict, reason_code, reason, process, decision, "
+                    f"sent, followed) VALUES ('cell-day', 'b', 'scan-{number}', {number}, {number}, '{time_utc}', '', '{verdict}', '{code}', '', "
+                    "'', 'open', false, false)")
+    days = ("SELECT to_char(day AT TIME ZONE 'UTC', 'YYYY-MM-DD HH24:MI'), shoes, ok, review, refused FROM trends WHERE cell = 'cell-day' "
+            "ORDER BY day")
+
+    def started_with(*options):
+        factory.kill("fleet")
+        factory.fleet_options = options
+        factory.start("fleet")
+
+    started_with("--time-zone", "Asia/Shanghai", "--day-begin", "06:00")
+    expected = [["2026-11-25 22:00", "1", "0", "0", "1"], ["2026-11-26 22:00", "2", "1", "1", "0"]]
+    comes_true(lambda: factory.sql(days) == expected, f"days of the factory: {factory.sql(days)}")
+    started_with("--time-zone", "UTC")
+    expected = [["2026-11-26 00:00", "2", "1", "0", "1"], ["2026-11-27 00:00", "1", "0", "1", "0"]]
+    comes_true(lambda: factory.sql(days) == expected, f"days of UTC: {factory.sql(days)}")
+    started_with()
+    factory.sql("DELETE FROM shoes WHERE cell = 'cell-day'; DELETE FROM books WHERE cell = 'cell-day'")
+
+
 def strangers_are_kept_out(factory):
     """A cell writes only its own; nobody comes in without a certificate; garbage is told and costs nothing."""
     before = factory.sql("SELECT count(*) FROM shoes")
@@ -187,6 +214,7 @@ def main():
         real_service_loses_nothing(factory, real)
         one_is_cut_off_for_an_hour(factory)
         rows_are_the_shoes(factory)
+        view_counts_by_the_factorys_day(factory)
         strangers_are_kept_out(factory)
         odd_cell_is_named(factory)
         metrics_tell_it(factory)
