@@ -41,6 +41,18 @@ case "$check" in
         }
         for (const key of Object.keys(words)) if (!(key in en) && !key.startsWith("help_")) say(`${file}: ${key} is not in en.json`);
       }
+      // Each code that a row of the history can have has words: docs/formats.md lists them.
+      const text = fs.readFileSync("../../docs/formats.md", "utf8").split("## Refusals")[1].split("## Exit status")[0];
+      const of_a_row = /^\| (a scan|the service|a transfer|a plan|the gate|following|a line)\b/;
+      let codes = 0;
+      for (const line of text.split("\n").filter((one) => of_a_row.test(one))) {
+        const told = line.split("|")[2].replace(/\([^)]*\)/g, "");
+        for (const [, code] of told.matchAll(/`([a-z_]+)`/g)) {
+          ++codes;
+          if (!en[`reason_${code}`]) say(`en.json: reason_${code} is missing`);
+        }
+      }
+      if (codes < 90) say(`only ${codes} codes in docs/formats.md`);
       // What the sources ask for by name is there; TypeScript checks the rest.
       process.exit(bad);'
     ;;

@@ -43,7 +43,7 @@ export function made_view({ weak = true, found = true } = {}) {
     line.u95_mm.push(is_weak ? 1.4 : 0.15);
     line.source.push(is_weak ? 'bridged' : 'seen');
   }
-  const stretch = { place: 'left side, in the middle', from_mm: 155, length_mm: 15, least_confidence: 0.4, u95_mm: 1.4, u95_is_guessed: false, middle_mm: [440, 58, 24] };
+  const stretch = { place: 'left side, in the middle', from_mm: 155, to_mm: 170, length_mm: 15, reason_code: 'rivalled', alternatives: [{ candidate: 2, off_mm: 3.24, points: [[440, 61, 24]] }], least_confidence: 0.4, u95_mm: 1.4, u95_is_guessed: false, middle_mm: [440, 58, 24] };
   return {
     schema_version: 1,
     title: 'Bite line',

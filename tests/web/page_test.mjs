@@ -363,6 +363,26 @@ const mend = cell.calls.find((call) => call.path.endsWith('/mend'))?.body;
 check(JSON.stringify(mend?.steps.map((step) => step.step)) === '["candidate","through"]', `mend steps ${JSON.stringify(mend)}`);
 check(JSON.stringify(mend?.steps[1].points) === '[[441.5,58,24],[440,58.2,24]]', 'mend points');
 
+say('mend: an open stretch is settled by a candidate there, or as it was found');
+await otto.page.goto(`${address}#/scans`);
+await otto.page.getByRole('heading', { name: 'Scans', level: 1 }).waitFor();
+await otto.page.goto(`${address}#/scans/scan-0004`);
+await otto.page.getByText('Mend the line').click();
+const to_settle = otto.page.getByRole('region', { name: 'Stretches to settle' });
+await to_settle.getByText('another line is as likely').waitFor();
+await to_settle.getByRole('button', { name: 'Candidate 2, 3.2 mm away' }).click();
+await otto.page.getByText('Candidate 2 155.0 … 170.0 mm').waitFor();
+await to_settle.getByRole('button', { name: 'As found' }).click();
+await otto.page.locator('details').getByLabel('Why').fill('looked at it');
+await otto.page.getByRole('button', { name: 'Save as a new version' }).click();
+await otto.page.waitForFunction((list) => document.querySelectorAll(list).length === 0, 'details ol > li');
+const settled = cell.calls.filter((call) => call.path.endsWith('/mend')).at(-1)?.body;
+check(
+  JSON.stringify(settled?.steps) ===
+    '[{"step":"candidate","candidate":2,"from_mm":155,"to_mm":170},{"step":"candidate","candidate":1,"from_mm":155,"to_mm":170}]',
+  `settled by ${JSON.stringify(settled)}`,
+);
+
 say('teach: from a scan that waits to a model');
 Object.assign(cell.scans[0], { decision: 'held' });
 cell.push('scan', cell.scans[0]);

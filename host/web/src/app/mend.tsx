@@ -2,8 +2,8 @@
 // Mending a line: another candidate, a stretch led through points, a stretch cut, back to an older version.
 import type { JSX } from 'preact';
 import { useState } from 'preact/hooks';
-import type { Hand, ViewData } from '../viewer/view_data';
-import { amount, number, t } from '../words';
+import type { Hand, ViewData, WeakStretch } from '../viewer/view_data';
+import { amount, number, t, t_or } from '../words';
 import { type Scan, call } from './api';
 import { Table } from './parts';
 import { act, holds_control, may, time_words, use_store } from './store';
@@ -27,6 +27,51 @@ function read_points(text: string): number[][] | null {
   return points.length > 0 && points.every((p) => p.length === 3 && p.every(Number.isFinite)) ? points : null;
 }
 
+/// The stretches that a person must settle, each with the ways that the scan offers there.
+function Open(props: {
+  stretches: WeakStretch[];
+  length_mm: number;
+  enabled: boolean;
+  add: (step: Step) => void;
+}): JSX.Element {
+  // More than half of the line is no stretch: the candidate is taken all round.
+  const taken = (stretch: WeakStretch, candidate: number): Step => ({
+    step: 'candidate',
+    candidate,
+    ...(stretch.to_mm !== undefined && stretch.length_mm < props.length_mm / 2
+      ? { from_mm: stretch.from_mm, to_mm: stretch.to_mm }
+      : {}),
+  });
+  return (
+    <Table label={t('mend_open')} heads={[t('mend_open'), t('length'), t('reason'), '']}>
+      {props.stretches.map((stretch) => (
+        <tr key={stretch.from_mm}>
+          <th scope="row">{stretch.place}</th>
+          <td>{amount(stretch.length_mm, 'mm', 0)}</td>
+          <td>{t_or(`reason_${stretch.reason_code}`, stretch.reason_code ?? '')}</td>
+          <td>
+            <div class="tools">
+              <button type="button" disabled={!props.enabled} onClick={() => props.add(taken(stretch, 1))}>
+                {t('mend_as_found')}
+              </button>
+              {(stretch.alternatives ?? []).map((other) => (
+                <button
+                  type="button"
+                  key={other.candidate}
+                  disabled={!props.enabled}
+                  onClick={() => props.add(taken(stretch, other.candidate))}
+                >
+                  {t('mend_alternative', { which: other.candidate, off: number(other.off_mm, 1) })}
+                </button>
+              ))}
+            </div>
+          </td>
+        </tr>
+      ))}
+    </Table>
+  );
+}
+
 /// `hand`: the place chosen in the viewer, moved in its section.
 export function Mend({
   scan,
@@ -45,6 +90,7 @@ export function Mend({
   const [points, set_points] = useState('');
   const [why, set_why] = useState('');
   const candidates = data.report.candidates ?? [];
+  const open = (data.report.weak_stretches ?? []).filter((stretch) => stretch.reason_code);
   if (!may('operator')) return null;
   const enabled = holds_control();
   const add = (step: Step) => {
@@ -55,17 +101,22 @@ export function Mend({
   const is_stretch =
     from !== '' && to !== '' && Number.isFinite(stretch.from_mm) && Number.isFinite(stretch.to_mm);
   const through = read_points(points);
+  const range = (step: Step) =>
+    step.from_mm === undefined ? '' : ` ${number(step.from_mm, 1)} … ${number(step.to_mm, 1)} mm`;
   const say = (step: Step) =>
     step.step === 'candidate'
-      ? t('mend_candidate', { which: step.candidate ?? 0 })
+      ? t('mend_candidate', { which: step.candidate ?? 0 }) + range(step)
       : step.step === 'back_to'
         ? t('mend_back', { version: step.line_version ?? 0 })
-        : `${t(step.step === 'cut' ? 'mend_cut' : 'mend_through')} ${number(step.from_mm, 1)} … ${number(step.to_mm, 1)} mm`;
+        : t(step.step === 'cut' ? 'mend_cut' : 'mend_through') + range(step);
   return (
     <details class="card">
       <summary>{t('mend')}</summary>
       <p>{t('mend_words')}</p>
       {!enabled && <p class="quiet">{t('needs_control')}</p>}
+      {open.length > 0 && (
+        <Open stretches={open} length_mm={Number(data.report.length_mm ?? 0)} enabled={enabled} add={add} />
+      )}
       {candidates.length > 1 && (
         <Table
           label={t('candidates')}

@@ -4,11 +4,15 @@
 export interface WeakStretch {
   place: string;
   from_mm: number;
+  to_mm?: number;
   length_mm: number;
   least_confidence: number;
   u95_mm: number;
   u95_is_guessed: boolean;
   middle_mm: [number, number, number];
+  /// Of a line for review: why it is open, and where the scan's other candidates run there.
+  reason_code?: string;
+  alternatives?: { candidate: number; off_mm: number; points: number[][] }[];
 }
 
 export interface Candidate {
