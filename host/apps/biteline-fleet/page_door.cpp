@@ -2,6 +2,7 @@
 #include "host/apps/biteline-fleet/page_door.hpp"
 
 #include "host/apps/biteline-fleet/metrics_door.hpp"
+#include "host/doors/accounts/first_token.hpp"
 #include "host/records/report/report.hpp"
 
 namespace biteline::fleet {
@@ -13,6 +14,7 @@ Result<std::unique_ptr<PageDoor>> PageDoor::open(const PageDoorConfig& config) {
   BITELINE_TRY(report::prepare_folder(config.accounts));
   BITELINE_ASSIGN(memory::Memory memory, memory::Memory::open(config.accounts / k_accounts_file));
   std::unique_ptr<PageDoor> door{new PageDoor{std::move(memory)}};
+  BITELINE_TRY(accounts::offer_first_account(door->accounts_, config.accounts));
   door->api_ = std::make_unique<PageApi>(PageRooms{.database = config.database,
                                                    .migrations = config.migrations,
                                                    .memory = door->memory_,
@@ -22,7 +24,10 @@ Result<std::unique_ptr<PageDoor>> PageDoor::open(const PageDoorConfig& config) {
                                                    .day = config.day});
   control::ServerConfig server;
   server.endpoint = config.endpoint;
-  server.hello = {{"version", config.version}, {"started", control::utc_now()}};
+  std::error_code error;
+  server.hello = {{"version", config.version},
+                  {"accounts", std::filesystem::absolute(config.accounts, error).string()},
+                  {"started", control::utc_now()}};
   PageApi* const api = door->api_.get();
   BITELINE_ASSIGN(
       door->server_,

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "host/doors/accounts/first_token.hpp"
 #include "host/doors/accounts/secrets.hpp"
 #include "host/records/mounted/mounted_record.hpp"
 #include "host/records/report/report.hpp"
@@ -83,6 +84,7 @@ Result<std::string> Cockpit::make_line_token() const {
 
 Result<void> Cockpit::listen() {
   BITELINE_ASSIGN(std::string line_token, make_line_token());
+  BITELINE_TRY(accounts::offer_first_account(accounts_, config_.results));
   const api::Stock own = stock_of(std::nullopt, config_.stock);
   api_ =
       std::make_unique<api::Api>(api::Rooms{.memory = memory_,
@@ -116,6 +118,7 @@ Result<void> Cockpit::listen() {
   std::error_code error;
   server.hello = {{"version", BITELINE_VERSION},
                   {"results", std::filesystem::absolute(config_.results, error).string()},
+                  {"accounts", std::filesystem::absolute(config_.results, error).string()},
                   {"sensor", config_.sensor},
                   {"started", control::utc_now()}};
   BITELINE_ASSIGN(
@@ -159,9 +162,6 @@ bool Cockpit::wants_hold(const std::string& scan) const {
   return hold_all_ || hold_wanted_ == scan;
 }
 
-void Cockpit::show(Phase phase, const std::string& now, const std::string& next) {
-  {
-    const std::lock_guard lock{mutex_};
 bool Cockpit::wants_hold_at_last(const std::string& scan) {
   const std::lock_guard lock{mutex_};
   if (hold_all_ || hold_wanted_ == scan) return true;
@@ -169,6 +169,9 @@ bool Cockpit::wants_hold_at_last(const std::string& scan) {
   return false;
 }
 
+void Cockpit::show(Phase phase, const std::string& now, const std::string& next) {
+  {
+    const std::lock_guard lock{mutex_};
     if (phase_ == phase && now_ == now && next_ == next) return;
     phase_ = phase;
     now_ = now;

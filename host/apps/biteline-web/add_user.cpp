@@ -4,8 +4,12 @@
 #include <termios.h>
 #include <unistd.h>
 
+#include <future>
+#include <utility>
+
 #include "common/core/text.hpp"
 #include "host/doors/accounts/accounts.hpp"
+#include "host/doors/accounts/first_token.hpp"
 #include "host/doors/control/client.hpp"
 #include "host/records/memory/memory.hpp"
 #include "host/records/report/file_lock.hpp"
@@ -57,13 +61,37 @@ Result<void> add_to_folder(const AddUserRequest& request, accounts::Role role, c
   return accounts::Accounts{memory}.add(request.name, role, password, "cell", "command line");
 }
 
+/// Where the service keeps the first account's token, as it says with its hello; empty: it says nothing.
+class ToldFolder {
+ public:
+  void hear(const control::Event& event) {
+    if (event.name != "hello" || std::exchange(heard_, true)) return;
+    const control::Json folder =
+        event.data.is_object() ? event.data.value("accounts", control::Json{}) : control::Json{};
+    told_.set_value(folder.is_string() ? folder.get<std::string>() : std::string{});
+  }
+  std::string wait() {
+    constexpr auto k_patience = std::chrono::seconds{5};
+    std::future<std::string> folder = told_.get_future();
+    return folder.wait_for(k_patience) == std::future_status::ready ? folder.get() : std::string{};
+  }
+
+ private:
+  bool heard_{false};  ///< the client's thread only
+  std::promise<std::string> told_;
+};
+
 Result<void> add_by_service(const AddUserRequest& request, const std::string& password) {
   control::ClientConfig config{.endpoint = *request.control, .keys = {}};
   if (request.control_keys) {
     BITELINE_ASSIGN(config.keys, wire::read_host_keys(*request.control_keys));
   }
-  BITELINE_ASSIGN(const auto client, control::Client::open(config));
+  ToldFolder told;
+  BITELINE_ASSIGN(const auto client,
+                  control::Client::open(config, [&told](const control::Event& event) { told.hear(event); }));
   control::Request question;
+  if (const std::string folder = told.wait(); !folder.empty())
+    question.token = accounts::read_first_token(folder);
   question.local = true;
   question.door = "command line";
   question.method = "POST";

@@ -49,6 +49,8 @@ class Connection {
   [[nodiscard]] net::awaitable<void> answer(const WebRequest& request);
   [[nodiscard]] net::awaitable<void> answer_route(const WebRequest& request, Asked asked);
   [[nodiscard]] net::awaitable<void> forward(const WebRequest& request, Asked asked);
+  /// What the first account is asked for with; empty: it may not be read, or no service has said where.
+  [[nodiscard]] net::awaitable<std::string> first_token();
   [[nodiscard]] net::awaitable<void> log_in(control::Request question);
   [[nodiscard]] net::awaitable<void> watch(const WebRequest& request, Handling handling, std::string session);
 

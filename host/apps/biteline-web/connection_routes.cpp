@@ -6,6 +6,7 @@
 #include "host/apps/biteline-web/connection.hpp"
 #include "host/apps/biteline-web/guards.hpp"
 #include "host/apps/biteline-web/watcher.hpp"
+#include "host/doors/accounts/first_token.hpp"
 
 namespace biteline::web {
 namespace {
@@ -162,6 +163,16 @@ net::awaitable<void> Connection::answer_route(const WebRequest& request, Asked a
   }
 }
 
+net::awaitable<std::string> Connection::first_token() {
+  // A service that has just been found may not have said hello yet.
+  constexpr int k_looks = 40;
+  for (int look = 0; look < k_looks && context_.accounts.empty(); ++look) {
+    net::steady_timer pause{co_await net::this_coro::executor, std::chrono::milliseconds{50}};
+    co_await pause.async_wait(net::use_awaitable);
+  }
+  co_return context_.accounts.empty() ? std::string{} : accounts::read_first_token(context_.accounts);
+}
+
 net::awaitable<void> Connection::forward(const WebRequest& request, Asked asked) {
   const Handling handling = asked.match.route->handling;
   control::Request question;
@@ -173,6 +184,7 @@ net::awaitable<void> Connection::forward(const WebRequest& request, Asked asked)
   question.query = std::move(asked.query);
   // The service takes the first account from the cell's own machine, and no other without a session.
   const bool first_account = question.method == "POST" && asked.path == "/api/v1/users";
+  if (first_account && question.local && question.token.empty()) question.token = co_await first_token();
   const bool local_command = question.local && (first_account || asked.path == "/api/v1/commands/stop" ||
                                                 asked.path == "/api/v1/commands/laser-off");
   if (question.token.empty() && handling != Handling::Login && !local_command) {

@@ -28,7 +28,8 @@ struct WebContext {
   std::optional<net::ssl::context> tls;
   LiveFeed feed;
   LoginLimit login_limit;
-  std::filesystem::path results;  ///< empty until the service has said it
+  std::filesystem::path results;   ///< empty until the service has said it
+  std::filesystem::path accounts;  ///< where the first account's token is; likewise
   Places places{0, 0, 0};
   std::map<Places::Id, WebStream*> streams;  ///< of who has a place
   int turned_away{0};                        ///< who are being told that there is none

@@ -111,6 +111,9 @@ void WebServer::State::hear(const control::Event& event) {
   if (event.name == "hello") {
     const auto results = event.data.find("results");
     if (results != event.data.end() && results->is_string()) context.results = results->get<std::string>();
+    const auto accounts = event.data.find("accounts");
+    if (accounts != event.data.end() && accounts->is_string())
+      context.accounts = accounts->get<std::string>();
     return;
   }
   context.feed.publish_event(control::to_text(event));

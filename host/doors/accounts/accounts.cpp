@@ -193,6 +193,18 @@ Result<std::string> Accounts::make_guest_token() {
   return token;
 }
 
+Result<std::string> Accounts::make_first_token() {
+  BITELINE_ASSIGN(std::string token, make_token());
+  const std::lock_guard lock{mutex_};
+  first_hash_ = hash_token(token);
+  return token;
+}
+
+bool Accounts::is_first_token(const std::string& token) const {
+  const std::lock_guard lock{mutex_};
+  return !first_hash_.empty() && hash_token(token) == first_hash_;
+}
+
 Result<std::optional<Login>> Accounts::use_guest_token(const std::string& token, const std::string& door) {
   {
     const std::lock_guard lock{mutex_};

@@ -69,6 +69,10 @@ class Accounts {
   [[nodiscard]] Result<std::string> make_guest_token();
   [[nodiscard]] Result<std::optional<Login>> use_guest_token(const std::string& token,
                                                              const std::string& door);
+  /// What whoever makes the first account must show from now on.
+  [[nodiscard]] Result<std::string> make_first_token();
+  /// Without one made before: nobody can show it.
+  [[nodiscard]] bool is_first_token(const std::string& token) const;
   [[nodiscard]] Result<void> log_out(const std::string& token, const std::string& door);
   /// Nobody: no such session, or it has expired.
   [[nodiscard]] Result<std::optional<Person>> who_is(const std::string& token) const;
@@ -119,7 +123,7 @@ class Accounts {
   std::mutex words_mutex_;  ///< of who changes control: taken before mutex_, and held while the memory writes
   mutable std::mutex mutex_;  ///< never while the memory is asked
   std::map<std::string, Failures> failures_;
-  std::string guest_hash_;
+  std::string guest_hash_, first_hash_;
   std::optional<Holder> holder_;
   mutable std::map<std::string, memory::Session> sessions_;  ///< as they stand in the memory, by token's hash
 };

@@ -103,7 +103,11 @@ Answer list_users(const Accounts& accounts) {
 Answer add_user(Accounts& accounts, const Request& request, const Person& person) {
   const Result<bool> any = accounts.has_users();
   if (!any) return answer_of(any.error());
-  const bool first = !*any && request.local;
+  const bool first = !*any && request.local && accounts.is_first_token(request.token);
+  if (!*any && !first)
+    return control::refusal(403, "not_allowed",
+                            "the first account is made at this service's own machine, by its own user "
+                            "(biteline-web --add-user, or the page there)");
   if (!first && person.name.empty())
     return control::refusal(401, "login_needed",
                             "an administrator makes accounts; log in first (POST /sessions)");

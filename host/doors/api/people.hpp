@@ -22,7 +22,8 @@ using control::Request;
 [[nodiscard]] Answer log_out(Accounts& accounts, const Request& request);
 [[nodiscard]] Answer read_me(const Accounts& accounts, const Request& request, const Person& person);
 [[nodiscard]] Answer list_users(const Accounts& accounts);
-/// The first account is made by whoever sits at this machine, nobody logged in.
+/// The first account is made by whoever sits at this machine and shows the first token (first_token.hpp),
+/// nobody logged in.
 [[nodiscard]] Answer add_user(Accounts& accounts, const Request& request, const Person& person);
 [[nodiscard]] Answer change_user(Accounts& accounts, const Request& request, const Person& person,
                                  const std::string& name);

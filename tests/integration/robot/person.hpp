@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 /// \file A person at a page of the service, who has all rights and control.
+#include <future>
+#include <memory>
 #include <thread>
 
+#include "host/doors/accounts/first_token.hpp"
 #include "host/doors/control/client.hpp"
 #include "tests/integration/robot/service_with_arm.hpp"
 #include "tests/support/json.hpp"
@@ -11,12 +14,19 @@ namespace biteline {
 
 /// A person at the page.
 struct Page {
+  std::shared_future<std::string> accounts;
   std::unique_ptr<control::Client> client;
   std::string token;
 
   explicit Page(const std::string& address) {
+    const auto told = std::make_shared<std::promise<std::string>>();
+    accounts = told->get_future().share();
     auto opened = control::Client::open(
-        {.endpoint = *wire::parse_endpoint(address), .keys = {}, .patience = k_patience});
+        {.endpoint = *wire::parse_endpoint(address), .keys = {}, .patience = k_patience},
+        [told, heard = false](const control::Event& event) mutable {
+          if (event.name == "hello" && !std::exchange(heard, true))
+            told->set_value(event.data["accounts"].get<std::string>());
+        });
     SUCCEEDS(opened);
     client = std::move(*opened);
   }
@@ -33,6 +43,7 @@ struct Page {
     const control::Json ada{{"name", "ada"}, {"password", "a long password"}};
     control::Json account = ada;
     account["role"] = "administrator";
+    token = accounts::read_first_token(accounts.get());
     LONGS_EQUAL(201, ask("POST", "/users", account).status);
     token = ask("POST", "/sessions", ada).body["token"].get<std::string>();
     LONGS_EQUAL(200, ask("POST", "/control", {{"action", "take"}}).status);

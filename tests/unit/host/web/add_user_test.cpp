@@ -4,6 +4,7 @@
 #include <CppUTest/TestHarness.h>
 
 #include "host/doors/accounts/accounts.hpp"
+#include "host/doors/accounts/first_token.hpp"
 #include "host/doors/control/server.hpp"
 #include "host/records/memory/memory.hpp"
 #include "tests/support/errors.hpp"
@@ -54,7 +55,9 @@ TEST(AddUser, ARunningServiceIsAsked) {
   control::Request asked;
   int status = 201;
   const auto server = control::Server::open(
-      {.endpoint = {.host = "127.0.0.1", .port = 0}, .keys = {}, .hello = {}},
+      {.endpoint = {.host = "127.0.0.1", .port = 0},
+       .keys = {},
+       .hello = {{"accounts", folder.path().string()}}},
       {.urgent = {}, .ordinary = [&](const control::Request& question) {
          asked = question;
          return status == 201 ? control::Answer{.id = 0, .status = 201, .body = {}}
@@ -66,7 +69,11 @@ TEST(AddUser, ARunningServiceIsAsked) {
   STRCMP_EQUAL("/api/v1/users", asked.path.c_str());
   STRCMP_EQUAL("ada", asked.body["name"].get<std::string>().c_str());
   CHECK(asked.local);
+  // What only the service's own user can read.
   CHECK(asked.token.empty());
+  folder.write(accounts::k_first_token_file, "the token\n");
+  SUCCEEDS(add_user(request, "correct horse"));
+  STRCMP_EQUAL("the token", asked.token.c_str());
   status = 403;
   FAILS_NAMING(Errc::PeerRefused, "an administrator makes the next", add_user(request, "correct horse"));
   CHECK(to_line(add_user(request, "correct horse").error()).find("real time") == std::string::npos);

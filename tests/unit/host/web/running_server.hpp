@@ -121,8 +121,9 @@ struct RunningServer {
     SUCCEEDS(opened);
     server = std::move(*opened);
     thread = std::thread{[this] { server->run(); }};
+    const std::string results = (folder.path() / "results").string();
     service->tell(
-        {.name = "hello", .data = {{"results", (folder.path() / "results").string()}}, .seq = 0, .time = {}});
+        {.name = "hello", .data = {{"results", results}, {"accounts", results}}, .seq = 0, .time = {}});
   }
   RunningServer(const RunningServer&) = delete;
   RunningServer& operator=(const RunningServer&) = delete;

@@ -154,6 +154,22 @@ TEST(WebServer, AnotherOriginGetsNothingByACookie) {
   LONGS_EQUAL(200, sut.get("/", "Sec-Fetch-Site: cross-site\r\nSec-Fetch-Mode: navigate\r\n").status);
 }
 
+TEST(WebServer, TheFirstAccountIsAskedForWithWhatOnlyTheServicesUserCanRead) {
+  const RunningServer sut;
+  sut.folder.write("results/.first.token", "the token\n");
+  const std::string body = R"({"name":"ada","role":"administrator","password":"correct horse"})";
+  sut.client().ask("POST", "/api/v1/users", "", body);
+  STRCMP_EQUAL("the token", sut.service->asked().back().token.c_str());
+  CHECK(sut.service->asked().back().local);
+  // Not for another path, and no session gives way to it.
+  sut.client().ask("POST", "/api/v1/commands/stop");
+  STRCMP_EQUAL("", sut.service->asked().back().token.c_str());
+  sut.client().ask("POST", "/api/v1/users", k_session, body);
+  STRCMP_EQUAL("viewer-token", sut.service->asked().back().token.c_str());
+  // Nor is it a file of the results.
+  CHECK(sut.get("/api/v1/scans/../files/.first.token", k_session).status >= 400);
+}
+
 TEST(WebServer, AHostWithAPortThatIsNoneIsRefused) {
   const RunningServer sut;
   for (const char* host :

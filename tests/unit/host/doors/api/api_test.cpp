@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "host/doors/accounts/first_token.hpp"
 #include "host/doors/accounts/metrics_token.hpp"
 #include "tests/support/json.hpp"
 #include "tests/unit/host/doors/api/api_world.hpp"
@@ -150,11 +151,27 @@ TEST(Api, FirstAccountIsMadeAtTheCellOnly) {
   request.method = "POST";
   request.path = "/api/v1/users";
   request.body = {{"name", "ada"}, {"role", "administrator"}, {"password", k_password}};
-  LONGS_EQUAL(401, api.ordinary(request).status);
+  // Any program may say that it was asked at the cell, and a door on another machine does.
+  request.local = true;
+  LONGS_EQUAL(403, api.ordinary(request).status);
+  SUCCEEDS(accounts::offer_first_account(nobody, fresh.path()));
+  LONGS_EQUAL(403, api.ordinary(request).status);
+  request.token = "made up";
+  LONGS_EQUAL(403, api.ordinary(request).status);
+  const std::filesystem::path file = fresh.path() / accounts::k_first_token_file;
+  CHECK(std::filesystem::status(file).permissions() ==
+        (std::filesystem::perms::owner_read | std::filesystem::perms::owner_write));
+  request.token = accounts::read_first_token(fresh.path());
+  request.local = false;
+  LONGS_EQUAL(403, api.ordinary(request).status);
   request.local = true;
   LONGS_EQUAL(201, api.ordinary(request).status);
   request.body["name"] = "eve";
   LONGS_EQUAL(401, api.ordinary(request).status);
+  // With an account none is offered any more.
+  SUCCEEDS(accounts::offer_first_account(nobody, fresh.path()));
+  CHECK(!std::filesystem::exists(file));
+  STRCMP_EQUAL("", accounts::read_first_token(fresh.path()).c_str());
 }
 
 TEST(Api, ProcessWithAFaultIsRefusedWholeAndItsFieldNamed) {
