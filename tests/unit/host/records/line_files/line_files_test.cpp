@@ -9,6 +9,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <set>
 #include <sstream>
 
 #include "host/records/line_files/spline.hpp"
@@ -108,6 +109,24 @@ TEST(LineFile, SplineGoesThroughEveryPointAndTurnsSmoothly) {
                         8;
     DOUBLES_EQUAL(1, std::hypot(middle.x() / 140, middle.y() / 45), 1e-6);
   }
+}
+
+/// Some readers make no layer by themselves.
+TEST(LineFile, EachLayerThatTheDxfUsesStandsInItsTable) {
+  std::ifstream file{written("a.dxf")};
+  std::set<std::string> known, used;
+  bool in_table = false;
+  std::string code, value, kind;
+  while (std::getline(file, code) && std::getline(file, value)) {
+    const int number = std::stoi(code);
+    if (number == 0) kind = value;
+    if (number == 0 && value == "ENDTAB") in_table = false;
+    if (number == 2 && kind == "TABLE") in_table = value == "LAYER";
+    if (number == 2 && kind == "LAYER" && in_table) known.insert(value);
+    if (number == 8) used.insert(value);
+  }
+  CHECK(used.contains("BITE_LINE"));
+  for (const std::string& layer : used) CHECK_TEXT(known.contains(layer), layer.c_str());
 }
 
 TEST(LineFile, EzdxfReadsTheDxf) {
