@@ -28,6 +28,16 @@ TEST_GROUP(Formats) {
     return (folder.path() / name).string();
   }
 
+  /// The points as rows, each turned by 90 degrees round x: what was up is the file's y.
+  std::string rows_with_y_up() const {
+    std::string text;
+    char row[96];
+    for (const Eigen::Vector3f& p : made.cloud.points) {
+      std::snprintf(row, sizeof row, "%.6f %.6f %.6f\n", p.x(), p.z(), -p.y());
+      text += row;
+    }
+    return text;
+  }
   /// The points as rows "x y z", each number divided by `mm`.
   std::string rows(const char* format, double mm) const {
     std::string text;
@@ -71,6 +81,34 @@ TEST(Formats, CloudInMetresIsRefusedWithTheUnitToGive) {
   STRCMP_CONTAINS("--unit m", report("m").at("reason").get<std::string>().c_str());
   CHECK(!std::filesystem::exists(folder.path() / "m" / "line.csv"));
   LONGS_EQUAL(2, tool({"extract", path("m.xyz"), "--unit", "ft", "--out", path("m"), "--quiet"}));
+}
+
+TEST(Formats, CloudWithYUpIsRefusedWithTheAxisToGive) {
+  folder.write("y.xyz", rows_with_y_up());
+  LONGS_EQUAL(3, tool({"extract", path("y.xyz"), "--out", path("y"), "--quiet"}));
+  STRCMP_EQUAL("other_up", report("y").at("reason_code").get<std::string>().c_str());
+  STRCMP_CONTAINS("give --up y", report("y").at("reason").get<std::string>().c_str());
+  STRCMP_CONTAINS("--up y", report("y").at("next_step").get<std::string>().c_str());
+  // Nothing was turned unasked; as it says, the line is there.
+  CHECK(!std::filesystem::exists(folder.path() / "y" / "line.csv"));
+  LONGS_EQUAL(0, tool({"extract", path("y.xyz"), "--up", "y", "--out", path("y"), "--quiet"}));
+  CHECK(report("y").at("found").get<bool>());
+}
+
+TEST(Formats, WhatHasALineInNoAxisIsToldNone) {
+  std::string text;
+  char row[96];
+  // A board as long as a shoe: no axis makes one of it.
+  for (int i = 0; i < 300; ++i) {
+    for (int k = 0; k < 100; ++k) {
+      std::snprintf(row, sizeof row, "%d %d %.2f\n", i, k, 0.01 * (i % 7));
+      text += row;
+    }
+  }
+  folder.write("board.xyz", text);
+  LONGS_EQUAL(3, tool({"extract", path("board.xyz"), "--out", path("board"), "--quiet"}));
+  CHECK(report("board").at("reason_code") != "other_up");
+  CHECK(report("board").at("next_step").get<std::string>().find("--up") == std::string::npos);
 }
 
 }  // namespace biteline

@@ -219,6 +219,46 @@ TEST(ServiceTeach, ScanOfNoKnownModelGoesOnWithAProcessAndStillWaits) {
   CHECK(controller.script().empty());
 }
 
+/// A person took a process for the shoe before, and this one is a model with a process of its own: neither is
+/// used unseen, though nobody asked to hold it.
+TEST(ServiceTeach, AScanOfAModelWithAnotherProcessThanTakenIsHeldAndSaysWhy) {
+  leave_scan("scan-0001");
+  leave_scan("scan-0002");
+  std::ifstream coarse{coarse_process()};
+  fs::create_directories(results() / "processes");
+  std::ofstream{results() / "processes/coarse.yaml"} << coarse.rdbuf();
+  ChildProcess host = start(holding(), {"--models", "--library", (folder.path() / "models").string()});
+  Page page{address_told(host)};
+  page.begin();
+  const auto held = [](const control::Json& row) { return row["decision"] == "held"; };
+  static_cast<void>(page.scan_once("scan-0001", held));
+  page.wait_until_deciding();
+  // coarse asks nobody: without another reason the next scan would not wait.
+  LONGS_EQUAL(202, page.ask("POST", "/scans/scan-0001/process", {{"process", "coarse"}}).status);
+  page.scan_once("scan-0001",
+                 [&](const control::Json& row) { return row["reason_code"].is_null() && held(row); });
+  page.wait_until_deciding();
+  const control::Json boot{
+      {"name", "boot"}, {"scan", "scan-0001"}, {"process", "cement"}, {"other_process", true}};
+  LONGS_EQUAL(201, page.ask("POST", "/models", boot).status);
+  LONGS_EQUAL(200, page.ask("POST", "/scans/scan-0001/reject", {{"why", "taught"}}).status);
+  const control::Json row = page.scan_once("scan-0002", held);
+  STRCMP_EQUAL("boot", row["model"].get<std::string>().c_str());
+  STRCMP_EQUAL("other_process", row["reason_code"].get<std::string>().c_str());
+  const std::string reason = row["reason"].get<std::string>();
+  STRCMP_CONTAINS("the process of boot is cement", reason.c_str());
+  STRCMP_CONTAINS("ada took", reason.c_str());
+  STRCMP_CONTAINS("choose the model's process", row["next_step"].get<std::string>().c_str());
+  // The word about this one settles it.
+  page.wait_until_deciding();
+  LONGS_EQUAL(202, page.ask("POST", "/scans/scan-0002/process", {{"process", "cement"}}).status);
+  const control::Json settled = page.scan_once("scan-0002", [&](const control::Json& now) {
+    return now["reason_code"] != "other_process" && held(now);
+  });
+  STRCMP_EQUAL("cement", settled["process"].get<std::string>().c_str());
+  CHECK(controller.script().empty());
+}
+
 TEST(ServiceTeach, ProcessOfAnotherToolThanTaughtIsRefusedBeforeItsPathAndBeforeAYes) {
   const fs::path scan = leave_scan("scan-0001");
   ChildProcess host = start(holding(), {});
