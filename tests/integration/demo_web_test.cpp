@@ -77,6 +77,9 @@ TEST_GROUP(DemoWeb) {
 
 TEST(DemoWeb, TokenLetsOneViewerLookAndCommandNothing) {
   if (!page_built()) return;
+  // A model of the user's own: no demo reads or writes there.
+  folder.write("data/biteline/models/mine/report.json", "{}");
+  ::setenv("XDG_DATA_HOME", (folder.path() / "data").c_str(), 1);
   ChildProcess demo = start("127.0.0.1:0");
   const PageAddress at = address_of(demo);
   CHECK(at.port != 0);
@@ -91,6 +94,7 @@ TEST(DemoWeb, TokenLetsOneViewerLookAndCommandNothing) {
 
   const std::string bearer = "Authorization: Bearer " + who["token"].get<std::string>() + "\r\n";
   LONGS_EQUAL(200, client.ask("GET", "/api/v1/state", bearer).status);
+  LONGS_EQUAL(0, test::read_json(client.ask("GET", "/api/v1/models", bearer).body)["models"].size());
   LONGS_EQUAL(401, client.ask("GET", "/api/v1/state").status);
   WebClient events{at.port}, live{at.port};
   LONGS_EQUAL(101, events.upgrade("/api/v1/events", bearer).status);

@@ -48,7 +48,9 @@ Result<ExitStatus> run_live(const LiveOptions& options, const std::atomic<bool>&
   BITELINE_TRY(report::prepare_folder(folder));
   BITELINE_ASSIGN(const Stand stand, start_stand(options.cell, {.name = "live"}, folder));
   std::vector<std::string> arguments = host_arguments(options.cell, stand, folder);
-  arguments.insert(arguments.end(), {"--guest-token", token_file.string(), "--keep-gb", k_keep_gb, "--web"});
+  // What is taught in a demo is no model of the user's.
+  arguments.insert(arguments.end(), {"--library", (folder / "models").string(), "--guest-token",
+                                     token_file.string(), "--keep-gb", k_keep_gb, "--web"});
   if (!options.address.empty()) arguments.push_back(options.address);
   BITELINE_ASSIGN(intake::ChildProcess host,
                   intake::ChildProcess::start({.program = intake::program_folder() / "biteline-host",
