@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "host/apps/biteline-web/line/line_doors.hpp"
 
-#include <arpa/inet.h>
-#include <netinet/in.h>
 #include <poll.h>
 #include <pthread.h>
 #include <sys/socket.h>
@@ -22,6 +20,7 @@
 #include <utility>
 
 #include "common/system/file.hpp"
+#include "host/apps/biteline-web/line/line_socket.hpp"
 #include "host/apps/biteline-web/line/line_talk.hpp"
 #include "host/doors/control/poll.hpp"
 
@@ -38,71 +37,9 @@ constexpr milliseconds k_between_reads{100};
 constexpr milliseconds k_between_beats{1000};
 /// A state that is older is none.
 constexpr milliseconds k_state_lives{2000};
-constexpr int k_backlog = 16;
 constexpr std::size_t k_most_token_bytes = 256;
 /// For so long after a request a peer counts as at work: a control reads some times a second.
 constexpr milliseconds k_at_work{5000};
-
-struct Address {
-  sockaddr_storage storage{};
-  socklen_t size{0};
-  bool loopback{false}, every{false};
-};
-
-std::optional<Address> address_of(const std::string& text, std::uint16_t port) {
-  Address out;
-  in_addr four{};
-  in6_addr six{};
-  if (::inet_pton(AF_INET, text.c_str(), &four) == 1) {
-    auto& address = reinterpret_cast<sockaddr_in&>(out.storage);
-    address.sin_family = AF_INET;
-    address.sin_port = htons(port);
-    address.sin_addr = four;
-    out.size = sizeof(sockaddr_in);
-    out.loopback = ntohl(four.s_addr) >> 24 == 127;
-    out.every = four.s_addr == htonl(INADDR_ANY);
-    return out;
-  }
-  if (::inet_pton(AF_INET6, text.c_str(), &six) == 1) {
-    auto& address = reinterpret_cast<sockaddr_in6&>(out.storage);
-    address.sin6_family = AF_INET6;
-    address.sin6_port = htons(port);
-    address.sin6_addr = six;
-    out.size = sizeof(sockaddr_in6);
-    out.loopback = IN6_IS_ADDR_LOOPBACK(&six);
-    out.every = IN6_IS_ADDR_UNSPECIFIED(&six);
-    return out;
-  }
-  return std::nullopt;
-}
-
-/// The address alone, as a text that compares.
-std::string text_of(const sockaddr_storage& storage) {
-  std::array<char, INET6_ADDRSTRLEN> text{};
-  const void* bytes =
-      storage.ss_family == AF_INET6
-          ? static_cast<const void*>(&reinterpret_cast<const sockaddr_in6&>(storage).sin6_addr)
-          : &reinterpret_cast<const sockaddr_in&>(storage).sin_addr;
-  return ::inet_ntop(storage.ss_family, bytes, text.data(), text.size()) == nullptr ? "" : text.data();
-}
-
-class Socket {
- public:
-  Socket() = default;
-  explicit Socket(int fd) : fd_{fd} {}
-  Socket(Socket&& other) noexcept : fd_{std::exchange(other.fd_, -1)} {}
-  Socket& operator=(Socket&& other) noexcept {
-    std::swap(fd_, other.fd_);
-    return *this;
-  }
-  ~Socket() {
-    if (fd_ >= 0) ::close(fd_);
-  }
-  [[nodiscard]] int get() const { return fd_; }
-
- private:
-  int fd_{-1};
-};
 
 /// What must be asked of the service before a command can be answered.
 struct Pending {
@@ -184,7 +121,7 @@ struct LineDoors::State {
 
   State(LineDoorsConfig config_, control::Wake wake_) : config{std::move(config_)}, wake{std::move(wake_)} {}
 
-  Result<void> listen(Door& door, const LineListener& at, const char* option);
+  [[nodiscard]] Result<void> listen(Door& door, const LineListener& at, const char* option) const;
   void run();
   void wait();
   void hear(const control::Event& event);
@@ -205,30 +142,10 @@ struct LineDoors::State {
   void end_late(Clock::time_point now);
 };
 
-Result<void> LineDoors::State::listen(Door& door, const LineListener& at, const char* option) {
-  const std::optional<Address> address = address_of(at.address, at.port);
-  if (!address) {
-    return fail(Errc::InvalidArgument, "%s %.60s: the number of one interface expected, e.g. 127.0.0.1",
-                option, at.address.c_str());
-  }
-  if (address->every || (!address->loopback && allowed.empty())) {
-    return fail(Errc::AuthenticationFailed,
-                "%s %.60s has no login: name one interface, and beyond loopback each peer with --line-peer",
-                option, at.address.c_str());
-  }
-  door.listener = Socket{::socket(address->storage.ss_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0)};
-  const int fd = door.listener.get();
-  const int yes = 1;
-  ::setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
-  sockaddr_storage bound{};
-  socklen_t size = sizeof bound;
-  if (fd < 0 || ::bind(fd, reinterpret_cast<const sockaddr*>(&address->storage), address->size) != 0 ||
-      ::listen(fd, k_backlog) != 0 || ::getsockname(fd, reinterpret_cast<sockaddr*>(&bound), &size) != 0) {
-    return fail_errno(Errc::PeerRefused, errno, "%s %.60s port %u: cannot listen there; choose another",
-                      option, at.address.c_str(), unsigned{at.port});
-  }
-  door.port = ntohs(bound.ss_family == AF_INET6 ? reinterpret_cast<sockaddr_in6&>(bound).sin6_port
-                                                : reinterpret_cast<sockaddr_in&>(bound).sin_port);
+Result<void> LineDoors::State::listen(Door& door, const LineListener& at, const char* option) const {
+  BITELINE_ASSIGN(Listening listening, listen_for_line(at, !allowed.empty(), option));
+  door.listener = std::move(listening.socket);
+  door.port = listening.port;
   return {};
 }
 
@@ -518,11 +435,10 @@ Result<std::unique_ptr<LineDoors>> LineDoors::open(const LineDoorsConfig& config
   BITELINE_ASSIGN(control::Wake wake, control::Wake::create());
   auto state = std::make_unique<State>(config, std::move(wake));
   for (const std::string& peer : config.peers) {
-    const std::optional<Address> address = address_of(peer, 0);
-    if (!address)
+    state->allowed.push_back(text_of_address(peer));
+    if (state->allowed.back().empty())
       return fail(Errc::InvalidArgument, "--line-peer %.60s: an address expected, e.g. 192.0.2.7",
                   peer.c_str());
-    state->allowed.push_back(text_of(address->storage));
   }
   if (config.modbus) {
     BITELINE_ASSIGN(state->doors[0].talk, modbus_talk());
