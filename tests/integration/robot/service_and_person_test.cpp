@@ -189,7 +189,7 @@ TEST(ServiceAndPerson, RejectedScanKeepsItsReasonAndAnotherServiceRemembersIt) {
 
 TEST(ServiceAndPerson, LocalControlAtThePendantEndsWhatWaitsAndOnlyAStartBeginsAnew) {
   leave_scan("scan-0001");
-  ChildProcess host = start(holding(), {"--confirm", "scan-0001"});
+  ChildProcess host = start(holding(), {});
   Page page{address_told(host)};
   page.begin();
   static_cast<void>(
