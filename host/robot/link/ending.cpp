@@ -118,6 +118,16 @@ Ending end_run(RobotLink& link, const EndingOptions& options) {
 
 Ending stop_run(RobotLink& link, const EndingOptions& options) {
   Ending ending;
+  if (options.dead_man_s > 0) {
+    EndingOptions alone = options;
+    alone.rest_patience_s = alone.output_patience_s = options.dead_man_s;
+    look(link, alone, true, ending);
+    // The word all the same: what was seen was seen of a controller that somebody has taken.
+    if (ending.seen()) {
+      static_cast<void>(link.stop());
+      ++ending.stops;
+    }
+  }
   stop_until_seen(link, options, ending);
   return ending;
 }

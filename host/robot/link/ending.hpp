@@ -35,6 +35,10 @@ struct EndingOptions {
   double move_mm{k_ringing_mm};   ///< an arm that stands moves less in 0.1 s
   double turn_rad{k_ringing_rad};
   int digital_output{-1};  ///< that the path switches on; -1: none
+  /// Above 0: for so long the program is left to its dead man before the stop's words leave.  Where a
+  /// controller takes no program any more only the running one can switch the tool off, and the word that
+  /// stops it ends its dead man, too.
+  double dead_man_s{0};
 };
 
 /// Of a program that ended by itself: looks, and sends the stop where something is not as it should be.

@@ -17,6 +17,8 @@ constexpr Nanoseconds k_first_state_patience{1'000'000'000};
 constexpr double k_old_s = 0.1;
 /// A controller that is asked again each tenth of a second.
 constexpr double k_door_closed_s = 1;
+/// A program's own time without a beat, 0.5 s, its braking from a joint's full way there, and two looks.
+constexpr double k_dead_mans_work_s = 1.2;
 constexpr double k_shaking_rad = 0.01;  // of a joint at the end of its path: some 2 mm of the tip
 // One state that says "no program runs" is not believed: so long all of them must, by both clocks.
 constexpr double k_ended_s = 0.1;
@@ -267,9 +269,11 @@ Result<void> follow(RobotLink& link, const PermittedPath& permitted, const Follo
   } else {
     report.halt = HaltReason{Halt::NotSent, "the program did not leave whole: " + to_line(sent.error())};
   }
+  const bool taken = report.halt && report.halt->code == Halt::LocalControl && link.has_dead_man();
   const EndingOptions ending{.rest_patience_s = options.rest_patience_s,
                              .output_patience_s = options.output_patience_s,
-                             .digital_output = path.path().digital_output};
+                             .digital_output = path.path().digital_output,
+                             .dead_man_s = taken ? k_dead_mans_work_s : 0};
   if (report.halt) {
     report.ending = stop_run(link, ending);
   } else {

@@ -69,6 +69,8 @@ class RobotLink {
   [[nodiscard]] virtual Result<void> send(const PermittedPath& path) = 0;
   /// A byte of a program has left since send() was called last: it may run, whatever send() said.
   [[nodiscard]] virtual bool may_run() const = 0;
+  /// The sent program ends by itself, the tool off, where nobody watches it any more (ur/script.hpp).
+  [[nodiscard]] virtual bool has_dead_man() const = 0;
   /// Ends the running program, the arm brakes, and switches off the output that the sent path switches on.
   /// Success: the words have left this machine; whether they did anything the states tell.
   [[nodiscard]] virtual Result<void> stop() = 0;

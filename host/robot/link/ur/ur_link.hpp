@@ -54,8 +54,7 @@ class UrLink final : public RobotLink {
   [[nodiscard]] Result<RobotState> wait_newer(std::uint64_t sequence, Nanoseconds patience) const override;
   [[nodiscard]] Result<void> send(const PermittedPath& path) override;
   [[nodiscard]] bool may_run() const override { return begun_; }
-  /// The program that was sent last ends by itself where nobody watches it (script.hpp).
-  [[nodiscard]] bool has_dead_man() const { return dead_man_; }
+  [[nodiscard]] bool has_dead_man() const override { return dead_man_; }
   [[nodiscard]] Result<void> stop() override;
   void beat() override;
   [[nodiscard]] std::optional<bool> remote_control() override;
@@ -104,7 +103,7 @@ class UrLink final : public RobotLink {
   bool dead_man_{false};                                   ///< the sent program has one
   int stops_{0};                                           ///< since then
   int output_{-1};                                         ///< that the sent path switches on
-  bool asked_{false};    ///< whether it is in remote control, and not answered yet
+  bool asked_{false};  ///< whether it is in remote control, and not answered yet
   HostClock::time_point asked_at_{};
   RemoteControl remote_;
   std::thread thread_;
