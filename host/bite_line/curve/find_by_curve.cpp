@@ -83,17 +83,19 @@ PlacedCurve place_curve(const ScanPoints& scan, const Side& side, const CurveOnS
   const Side level = side_along(*levelled);
   const Layers layers = layers_of(found, *levelled, level);
   result.decision = decide(layers, plan_shape(side_reach(side)), seam, config.min_confidence_ratio);
-  if (!result.decision.refusal) {
+  if (!result.decision.refusal || result.decision.for_review) {
     OrRefusal<PlacedLine> placed = place_along(scan, side,
                                                {.levelled = *levelled,
                                                 .grid = level.field.grid,
                                                 .path_row = result.decision.paths.front().row,
                                                 .layers = layers},
                                                config.point_spacing_mm);
-    if (placed)
+    if (placed) {
       result.placed = std::move(*placed);
-    else
+    } else {
       result.decision.refusal = placed.error();
+      result.decision.for_review = false;
+    }
   }
   for (JudgedPath& path : result.decision.paths) path.row = levelled->back(level.field, path.row);
   return result;

@@ -19,12 +19,25 @@ namespace {
 /// Beside test::k_shapes; those whose line is not known by labels come without.
 struct LabelledShape {
   const char* name;
-  bool known;
+  test::Shape::Truth truth;
 };
-constexpr LabelledShape k_labelled[] = {
-    {"s42_welted_leather_heel", true}, {"s45_canvas_13_parts", true}, {"s46_adi_8_parts", true},
-    {"s41_low_basketball", false},     {"s43_running", false},        {"s44_worn_trainer_scan", false},
-    {"s47_stiletto_pump", false},      {"s48_child_low_poly", false}};
+constexpr LabelledShape k_labelled[] = {{"s42_welted_leather_heel", test::Shape::Truth::Line},
+                                        {"s45_canvas_13_parts", test::Shape::Truth::Line},
+                                        {"s46_adi_8_parts", test::Shape::Truth::Line},
+                                        {"s41_low_basketball", test::Shape::Truth::Unknown},
+                                        {"s43_running", test::Shape::Truth::Unknown},
+                                        {"s44_worn_trainer_scan", test::Shape::Truth::Unknown},
+                                        {"s47_stiletto_pump", test::Shape::Truth::Unknown},
+                                        {"s48_child_low_poly", test::Shape::Truth::Unknown},
+                                        {"n03_real_sole_unit", test::Shape::Truth::NoLine},
+                                        {"n04_drill_scan", test::Shape::Truth::NoLine},
+                                        {"n05_remote_scan", test::Shape::Truth::NoLine},
+                                        {"n06_upper_without_sole", test::Shape::Truth::NoLine}};
+
+const char* kind_of(test::Shape::Truth truth) {
+  using enum test::Shape::Truth;
+  return truth == Line ? "shape" : truth == Unknown ? "unlabelled" : "thing";
+}
 
 struct MadeKind {
   const char* name;
@@ -59,29 +72,30 @@ void shape_cases(bool unknown, const std::function<void(CurveCase&&)>& use) {
   constexpr double k_label_mm = 1.0;
   for (const test::Shape& shape : test::k_shapes) {
     const bool known = shape.truth == test::Shape::Truth::Line;
-    if (shape.truth == test::Shape::Truth::NoLine || (!known && !unknown)) continue;
+    if (!known && !unknown) continue;
     auto cloud = test::cloud_of(shape);
     auto truth = test::truth_of(shape);
     if (!cloud || !truth) continue;
-    use({.kind = "shape",
+    use({.kind = kind_of(shape.truth),
          .group = shape.name,
          .name = shape.name,
          .scan = {.cloud = std::move(*cloud), .truth = std::move(truth->line)},
          .truth_mm = k_label_mm});
   }
   for (const LabelledShape& shape : k_labelled) {
-    if (!shape.known && !unknown) continue;
+    const bool known = shape.truth == test::Shape::Truth::Line;
+    if (!known && !unknown) continue;
     const std::string folder = std::string{"shapes3/"} + shape.name;
     const auto file = test::shared_data(folder + "/cloud.ply");
     if (!file) continue;
     auto cloud = cloud::read_cloud(*file);
     if (!cloud) continue;
-    CurveCase of{.kind = "shape",
+    CurveCase of{.kind = kind_of(shape.truth),
                  .group = shape.name,
                  .name = shape.name,
                  .scan = {.cloud = std::move(*cloud), .truth = {}},
                  .truth_mm = k_label_mm};
-    if (shape.known) {
+    if (known) {
       const auto labels = test::shared_data(folder + "/truth_label.csv");
       if (!labels) continue;
       auto line = cloud::read_positions(*labels);

@@ -17,7 +17,7 @@
 namespace biteline::bench {
 
 struct CurveCase {
-  std::string kind;   ///< ordinary, guard, heel, or shape
+  std::string kind;   ///< ordinary, guard, heel, shape, unlabelled, or thing
   std::string group;  ///< left out together: the class of made shoes, one shape alone
   std::string name;
   test::SweepScan scan;  ///< its truth is empty where the line is not known
@@ -29,7 +29,7 @@ struct CaseOptions {
   int ordinary{40}, guards{20}, heels{10};
   double heel_ratio{0.35};
   bool shapes{true};
-  bool unknown_shapes{false};  ///< also those without a known line
+  bool unknown_shapes{false};  ///< also those without a known line, and things
 };
 
 /// One after the other, as they are made: all of them would take much memory.
