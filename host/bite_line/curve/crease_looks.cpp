@@ -227,27 +227,40 @@ CreaseSigns CreaseLooks::alone(int row, int col, std::size_t direction) const {
   return signs;
 }
 
-void CreaseLooks::look_beside(const SignWeights& weights) {
+Large<float> CreaseLooks::look_beside(const CurveWeights& weights) {
+  Large<float> own(raster_.size() * k_directions);
   std::array<Large<float>, k_directions> like;
   tbb::parallel_for(std::size_t{0}, k_directions, [&](std::size_t k) {
     like[k].resize(raster_.size());
     for (int col = 0; col < raster_.cols; ++col) {
       for (int row = 0; row < raster_.rows; ++row) {
         const std::size_t cell = raster_.at(row, col);
-        like[k][cell] = raster_.seen[cell] != 0 && turns(cell, k)
-                            ? static_cast<float>(geometry::logistic(
-                                  static_cast<double>(log_odds(weights, alone(row, col, k)))))
-                            : 0.0F;
+        like[k][cell] = 0;
+        if (raster_.seen[cell] == 0 || !turns(cell, k)) continue;
+        const CreaseSigns signs = alone(row, col, k);
+        like[k][cell] =
+            static_cast<float>(geometry::logistic(static_cast<double>(log_odds(weights.alone, signs))));
+        own[cell * k_directions + k] = log_odds(weights.all, signs);
       }
     }
   });
   tbb::parallel_for(std::size_t{0}, k_directions, [&](std::size_t k) {
     alike_[k] = like[k];
-    for (const std::size_t other : {k + 1, k + k_directions - 1}) {
-      const Large<float>& beside = like[other % k_directions];
+    for (const std::size_t other : {k + 1, k - 1}) {
+      if (other >= k_directions) continue;
+      const Large<float>& beside = like[other];
       for (std::size_t i = 0; i < beside.size(); ++i) alike_[k][i] = std::max(alike_[k][i], beside[i]);
     }
   });
+  return own;
+}
+
+float CreaseLooks::beside(int row, int col, std::size_t direction, const SignWeights& weights) const {
+  const Ways& ways = ways_[direction];
+  return weights[static_cast<std::size_t>(CreaseSign::LeftCrease)] *
+             most_alike(row, col, ways.left, direction) +
+         weights[static_cast<std::size_t>(CreaseSign::RightCrease)] *
+             most_alike(row, col, ways.right, direction);
 }
 
 float CreaseLooks::most_alike(int row, int col, const std::vector<Beside>& places,

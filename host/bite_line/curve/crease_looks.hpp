@@ -39,6 +39,12 @@ using CreaseSigns = std::array<float, k_crease_signs>;
 using SignWeights = std::array<float, k_crease_signs>;
 [[nodiscard]] float log_odds(const SignWeights& weights, const CreaseSigns& signs);
 
+/// By the surface itself, and by what is beside it, too.
+struct CurveWeights {
+  SignWeights alone;
+  SignWeights all;
+};
+
 class CreaseLooks {
  public:
   /// `raster`: borrowed.
@@ -52,13 +58,15 @@ class CreaseLooks {
   }
   /// All but the creases beside it.
   [[nodiscard]] CreaseSigns alone(int row, int col, std::size_t direction) const;
-  /// Reads what is beside each place: `weights` say how line-like a place is by itself.
-  void look_beside(const SignWeights& weights);
+  /// Reads what is beside each place: `weights.alone` say how line-like a place is by itself.  Gives, per
+  /// cell and direction, the log odds by `weights.all` without what is beside it.
+  Large<float> look_beside(const CurveWeights& weights);
+  /// What the creases beside a place add to these.
+  [[nodiscard]] float beside(int row, int col, std::size_t direction, const SignWeights& weights) const;
   /// All; those beside it are 0 before look_beside().
   [[nodiscard]] CreaseSigns all(int row, int col, std::size_t direction) const;
 
  private:
-  static constexpr std::size_t k_axes = k_directions / 2;
   /// A place beside a cell: its cell, and how far it is from the middle of that.
   struct Beside {
     int cols, rows;

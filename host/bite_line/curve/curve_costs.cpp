@@ -38,20 +38,20 @@ std::vector<std::uint8_t> gaps_of(const Raster& raster) {
 }  // namespace
 
 CurveCosts curve_costs(const Raster& raster, CreaseLooks& looks, const CurveWeights& weights) {
-  looks.look_beside(weights.alone);
   const std::vector<std::uint8_t> gap = gaps_of(raster);
-  CurveCosts costs{.rows = raster.rows, .cols = raster.cols, .per_mm = {}};
+  CurveCosts costs{.rows = raster.rows, .cols = raster.cols, .per_mm = looks.look_beside(weights)};
   const float plain = cost_of(weights.all[static_cast<std::size_t>(CreaseSign::Always)]);
-  tbb::parallel_for(std::size_t{0}, k_directions, [&](std::size_t k) {
-    Large<float>& cost = costs.per_mm[k];
-    cost.resize(raster.size());
-    for (int col = 0; col < raster.cols; ++col) {
+  tbb::parallel_for(tbb::blocked_range<int>{0, raster.cols, 16}, [&](const auto& range) {
+    for (int col = range.begin(); col != range.end(); ++col) {
       for (int row = 0; row < raster.rows; ++row) {
         const std::size_t cell = raster.at(row, col);
-        if (raster.seen[cell] == 0)
-          cost[cell] = gap[cell] != 0 ? k_unseen_cost_per_mm : plain;
-        else
-          cost[cell] = looks.turns(cell, k) ? cost_of(log_odds(weights.all, looks.all(row, col, k))) : plain;
+        for (std::size_t k = 0; k < k_directions; ++k) {
+          float& cost = costs.of(cell, k);
+          if (raster.seen[cell] == 0)
+            cost = gap[cell] != 0 ? k_unseen_cost_per_mm : plain;
+          else
+            cost = looks.turns(cell, k) ? cost_of(cost + looks.beside(row, col, k, weights.all)) : plain;
+        }
       }
     }
   });

@@ -2,30 +2,30 @@
 #pragma once
 /// \file The data term: what a millimetre of a curve costs at each place, in each direction.
 
-#include <array>
-
 #include "host/bite_line/curve/crease_looks.hpp"
 #include "host/bite_line/curve/raster.hpp"
 #include "host/bite_line/large.hpp"
 
 namespace biteline::bite_line {
 
-/// Logistic fits of bench_curve_fit: by the surface itself, and by what is beside it, too.
-struct CurveWeights {
-  SignWeights alone;
-  SignWeights all;
-};
+/// The logistic fits of bench_curve_fit.
 [[nodiscard]] const CurveWeights& fitted_weights();
 
 struct CurveCosts {
   int rows{0};
   int cols{0};
-  /// Per direction and cell: minus the logarithm of the probability that the line passes there, against
+  /// Per cell and direction: minus the logarithm of the probability that the line passes there, against
   /// "surface", both being as likely before anything was seen.
-  std::array<Large<float>, k_directions> per_mm;
+  Large<float> per_mm;
 
   [[nodiscard]] std::size_t at(int row, int col) const {
     return static_cast<std::size_t>(col) * static_cast<std::size_t>(rows) + static_cast<std::size_t>(row);
+  }
+  [[nodiscard]] float& of(std::size_t cell, std::size_t direction) {
+    return per_mm[cell * k_directions + direction];
+  }
+  [[nodiscard]] float of(std::size_t cell, std::size_t direction) const {
+    return per_mm[cell * k_directions + direction];
   }
 };
 

@@ -5,9 +5,8 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
 #include <utility>
-
-#include <tbb/parallel_invoke.h>
 
 #include "common/core/contracts.hpp"
 
@@ -16,7 +15,8 @@ namespace biteline::bite_line {
 namespace {
 
 constexpr int k_most_turn = 2;
-constexpr std::int8_t k_begins = 127;  // a state without one before it
+// Of a state: its turn, two more than it is; that it has none before it; that it was looked at.
+constexpr std::uint8_t k_turn = 7, k_begins = 7, k_done = 8;
 constexpr float k_out_of_reach = std::numeric_limits<float>::max();
 
 /// States by what they cost, in steps so fine that their order within one hardly matters: a state that is
@@ -48,9 +48,14 @@ int round_col(int col, int cols) {
   return ((col % cols) + cols) % cols;
 }
 
+/// Beyond k_directions where that leads back.
 std::size_t turned(std::size_t direction, int by) {
-  return (direction + k_directions + static_cast<std::size_t>(by + static_cast<int>(k_directions))) %
-         k_directions;
+  return direction + static_cast<std::size_t>(by);
+}
+
+/// A curve crosses the column where it begins nearly level.
+bool nearly_level(std::size_t direction) {
+  return direction + k_most_turn >= k_level_direction && direction <= k_level_direction + k_most_turn;
 }
 
 double length_mm(std::size_t direction) {
@@ -60,6 +65,7 @@ double length_mm(std::size_t direction) {
 float bend_cost(std::size_t direction, int turn, double bend_mm) {
   const auto angle = [](std::size_t k) { return std::atan2(k_cell_steps[k].rows, k_cell_steps[k].cols); };
   const std::size_t next = turned(direction, turn);
+  if (next >= k_directions) return 0;
   const double by_rad = std::remainder(angle(next) - angle(direction), 2 * std::numbers::pi);
   return static_cast<float>(bend_mm * by_rad * by_rad / (0.5 * (length_mm(direction) + length_mm(next))));
 }
@@ -76,7 +82,7 @@ ColumnBest best_of_column(const CurveCosts& costs, int col, int apart_rows) {
   int at = 0;
   for (int row = 0; row < costs.rows; ++row) {
     float& least = own[static_cast<std::size_t>(row)];
-    for (const Large<float>& per_mm : costs.per_mm) least = std::min(least, per_mm[costs.at(row, col)]);
+    for (std::size_t k = 0; k < k_directions; ++k) least = std::min(least, costs.of(costs.at(row, col), k));
     if (least >= best.least) continue;
     best.least = least;
     at = row;
@@ -121,45 +127,48 @@ CurveSearch::CurveSearch(const CurveCosts& costs, const CurveConfig& config)
   for (int col = 0; col < costs.cols; ++col) best.push_back(best_of_column(costs, col, apart_rows));
   begin_col_ = surest_col(best);
   for (std::size_t k = 0; k < k_directions; ++k) half_step_mm_[k] = static_cast<float>(0.5 * length_mm(k));
-  for (int col = 0; col < costs.cols + 2 * pad_cols_ + 1; ++col)
-    first_cell_.push_back(costs.at(0, round_col(begin_col_ - pad_cols_ + col, costs.cols)));
-  to_end_ = bounds(Sense::Ahead);
+  unrolled_cols_ = costs.cols + 2 * pad_cols_ + 1;
+  for (int col = 0; col < unrolled_cols_; ++col) {
+    const float* from =
+        &costs.per_mm[costs.at(0, round_col(begin_col_ - pad_cols_ + col, costs.cols)) * k_directions];
+    per_mm_.insert(per_mm_.end(), from, from + static_cast<std::size_t>(costs.rows) * k_directions);
+  }
+  to_end_ = bounds();
 }
 
-Large<float> CurveSearch::bounds(Sense sense) const {
-  const int rows = costs_.rows, all = static_cast<int>(first_cell_.size());
-  const int from_col = sense == Sense::Ahead ? costs_.cols + pad_cols_ : pad_cols_;
-  const int sign = sense == Sense::Ahead ? -1 : 1;
-  Large<float> least(static_cast<std::size_t>(rows) * static_cast<std::size_t>(all));
+Large<float> CurveSearch::bounds() const {
+  const int rows = costs_.rows;
+  Large<float> least(static_cast<std::size_t>(rows) * static_cast<std::size_t>(unrolled_cols_));
   std::fill(least.begin(), least.end(), k_out_of_reach);
-  const auto at = [&](int row, int col) {
-    return static_cast<std::size_t>(col) * static_cast<std::size_t>(rows) + static_cast<std::size_t>(row);
-  };
+  const std::size_t from = costs_.at(0, costs_.cols + pad_cols_), to = costs_.at(0, pad_cols_);
   Open open;
   for (int row = 0; row < rows; ++row) {
-    least[at(row, from_col)] = 0;
-    open.push(0, static_cast<std::uint32_t>(at(row, from_col)));
+    least[from + static_cast<std::size_t>(row)] = 0;
+    open.push(0, static_cast<std::uint32_t>(from + static_cast<std::size_t>(row)));
   }
+  float most = k_out_of_reach;
   std::uint32_t here = 0;
   while (open.pop(here)) {
+    if (least[here] > most) break;
+    if (most == k_out_of_reach && here >= to && here < to + static_cast<std::size_t>(rows))
+      most = least[here] + 2 * config_.rival_excess;
     const int col = static_cast<int>(here) / rows, row = static_cast<int>(here) % rows;
     for (std::size_t k = 0; k < k_directions; ++k) {
-      const int r = row + sign * k_cell_steps[k].rows, c = col + sign * k_cell_steps[k].cols;
-      if (r < 0 || r >= rows || c < 0 || c >= all) continue;
-      const float sum = least[here] + step_cost(k, row, col, r, c);
-      float& there = least[at(r, c)];
-      if (sum >= there) continue;
-      there = sum;
-      open.push(sum, static_cast<std::uint32_t>(at(r, c)));
+      const int r = row - k_cell_steps[k].rows, c = col - k_cell_steps[k].cols;
+      if (r < 0 || r >= rows || c < 0 || c >= unrolled_cols_) continue;
+      const std::size_t there = costs_.at(r, c);
+      const float sum = least[here] + step_cost(k, here, there);
+      if (sum >= least[there]) continue;
+      least[there] = sum;
+      open.push(sum, static_cast<std::uint32_t>(there));
     }
   }
+  for (float& bound : least) bound = std::min(bound, most);
   return least;
 }
 
 std::size_t CurveSearch::index(const CurveState& state) const {
-  const auto col = static_cast<std::size_t>(state.col - begin_col_ + pad_cols_);
-  return (col * static_cast<std::size_t>(costs_.rows) + static_cast<std::size_t>(state.row)) * k_directions +
-         state.direction;
+  return costs_.at(state.row, state.col - begin_col_ + pad_cols_) * k_directions + state.direction;
 }
 
 CurveState CurveSearch::state_of(std::size_t index) const {
@@ -170,92 +179,99 @@ CurveState CurveSearch::state_of(std::size_t index) const {
           .direction = index % k_directions};
 }
 
-float CurveSearch::step_cost(std::size_t direction, int row, int col, int to_row, int to_col) const {
-  const Large<float>& per_mm = costs_.per_mm[direction];
-  const std::size_t here = first_cell_[static_cast<std::size_t>(col)] + static_cast<std::size_t>(row);
-  const std::size_t there = first_cell_[static_cast<std::size_t>(to_col)] + static_cast<std::size_t>(to_row);
-  return half_step_mm_[direction] * (per_mm[here] + per_mm[there]);
+float CurveSearch::step_cost(std::size_t direction, std::size_t from, std::size_t to) const {
+  return half_step_mm_[direction] *
+         (per_mm_[from * k_directions + direction] + per_mm_[to * k_directions + direction]);
 }
 
 template <class Reach>
-void CurveSearch::for_next(Sense sense, std::size_t index_here, float total, Reach&& reach) const {
-  const std::size_t direction = index_here % k_directions, place = index_here / k_directions;
-  const int rows = costs_.rows, all = static_cast<int>(first_cell_.size());
-  const int here_col = static_cast<int>(place) / rows, here_row = static_cast<int>(place) % rows;
+void CurveSearch::for_next(bool ahead, std::size_t state, float total, Reach&& reach) const {
+  const std::size_t direction = state % k_directions, here = state / k_directions;
+  const int rows = costs_.rows;
+  const int col = static_cast<int>(here) / rows, row = static_cast<int>(here) % rows;
   const auto next = [&](std::size_t k, int sign, auto&& use) {
-    const int row = here_row + sign * k_cell_steps[k].rows, col = here_col + sign * k_cell_steps[k].cols;
-    if (row < 0 || row >= rows || col < 0 || col >= all) return;
-    use(static_cast<std::size_t>(col) * static_cast<std::size_t>(rows) + static_cast<std::size_t>(row),
-        total + step_cost(k, here_row, here_col, row, col));
+    const int r = row + sign * k_cell_steps[k].rows, c = col + sign * k_cell_steps[k].cols;
+    if (r < 0 || r >= rows || c < 0 || c >= unrolled_cols_) return;
+    const std::size_t there = costs_.at(r, c);
+    use(there * k_directions, total + step_cost(k, here, there));
   };
-  if (sense == Sense::Ahead) {
+  if (ahead) {
     next(direction, 1, [&](std::size_t there, float sum) {
       for (int turn = -k_most_turn; turn <= k_most_turn; ++turn) {
-        const float bend = bend_[direction][static_cast<std::size_t>(turn + k_most_turn)];
-        reach(there, turned(direction, turn), sum + bend, static_cast<std::int8_t>(turn));
+        const std::size_t k = turned(direction, turn);
+        if (k >= k_directions) continue;
+        const auto by = static_cast<std::size_t>(turn + k_most_turn);
+        reach(there + k, sum + bend_[direction][by], static_cast<std::uint8_t>(by));
       }
     });
     return;
   }
   for (int turn = -k_most_turn; turn <= k_most_turn; ++turn) {
     const std::size_t k = turned(direction, -turn);
-    const float bend = bend_[k][static_cast<std::size_t>(turn + k_most_turn)];
-    next(k, -1,
-         [&](std::size_t there, float sum) { reach(there, k, sum + bend, static_cast<std::int8_t>(turn)); });
+    if (k >= k_directions) continue;
+    const auto by = static_cast<std::size_t>(turn + k_most_turn);
+    next(k, -1, [&](std::size_t there, float sum) {
+      reach(there + k, sum + bend_[k][by], static_cast<std::uint8_t>(by));
+    });
   }
 }
 
-CurveSearch::Totals CurveSearch::sweep(Sense sense, const Ends& ends, const Large<float>& bound) const {
+template <class Bound>
+CurveSearch::Totals CurveSearch::swept(const Sweep& sweep, Bound&& bound) const {
   Totals totals;
-  const std::size_t states = bound.size() * k_directions;
+  const std::size_t states = per_mm_.size();
   totals.total.resize(states);
   std::fill(totals.total.begin(), totals.total.end(), k_out_of_reach);
   totals.turn.resize(states);
-  std::vector<std::uint8_t> goal(ends.all ? 0 : states, 0);
-  if (!ends.all)
-    for (const CurveState& state : ends.to) goal[index(state)] = 1;
+  const int begin_col = sweep.ahead ? begin_col_ : begin_col_ + costs_.cols;
   Open open;
-  for (const CurveState& state : ends.from) {
-    const std::size_t at = index(state);
-    totals.total[at] = 0;
-    totals.turn[at] = k_begins;
-    open.push(bound[at / k_directions], static_cast<std::uint32_t>(at));
+  for (const int row : sweep.from_rows) {
+    for (std::size_t k = 0; k < k_directions; ++k) {
+      const std::size_t at = index({row, begin_col, k});
+      const float key = bound(at);
+      if (!nearly_level(k) || key >= sweep.limit) continue;
+      totals.total[at] = 0;
+      totals.turn[at] = k_begins;
+      open.push(key, static_cast<std::uint32_t>(at));
+    }
   }
-  std::vector<std::uint8_t> done(states, 0);
+  std::vector<std::uint8_t> goal(static_cast<std::size_t>(costs_.rows), 0);
+  for (const int row : sweep.to_rows) goal[static_cast<std::size_t>(row)] = 1;
+  const std::size_t first_goal = index({0, begin_col_ + costs_.cols, 0});
+  const auto is_goal = [&](std::size_t state) {
+    const std::size_t row = (state - first_goal) / k_directions;
+    return state >= first_goal && row < goal.size() && goal[row] != 0 && nearly_level(state % k_directions);
+  };
   std::uint32_t here = 0;
   while (open.pop(here)) {
-    if (done[here] != 0) continue;
-    done[here] = 1;
-    if (!ends.all && goal[here] != 0) {
+    if ((totals.turn[here] & k_done) != 0) continue;
+    totals.turn[here] |= k_done;
+    if (is_goal(here)) {
       totals.end = here;
       totals.reached = true;
-      break;
+      if (!sweep.all) break;
     }
-    for_next(sense, here, totals.total[here],
-             [&](std::size_t place, std::size_t direction, float total, std::int8_t turn) {
-               const float key = total + bound[place];
-               const std::size_t there = place * k_directions + direction;
-               if (total >= totals.total[there] || key >= ends.limit) return;
-               totals.total[there] = total;
-               totals.turn[there] = turn;
-               done[there] = 0;
-               open.push(key, static_cast<std::uint32_t>(there));
-             });
+    for_next(sweep.ahead, here, totals.total[here], [&](std::size_t there, float total, std::uint8_t turn) {
+      if (total >= totals.total[there]) return;
+      const float key = total + bound(there);
+      if (key >= sweep.limit) return;
+      totals.total[there] = total;
+      totals.turn[there] = turn;
+      open.push(key, static_cast<std::uint32_t>(there));
+    });
   }
   return totals;
 }
 
-std::vector<CurveState> CurveSearch::states_at(int row, int col, int about) const {
-  std::vector<CurveState> states;
-  for (int by = -about; by <= about; ++by) states.push_back({row, col, turned(0, by)});
-  return states;
+CurveSearch::Totals CurveSearch::swept_ahead(const Sweep& sweep) const {
+  return swept(sweep, [this](std::size_t state) { return to_end_[state / k_directions]; });
 }
 
 std::vector<CurveState> CurveSearch::traced(const Totals& totals) const {
   std::vector<CurveState> states{state_of(totals.end)};
-  for (std::size_t at = totals.end; totals.turn[at] != k_begins; at = index(states.back())) {
+  for (std::size_t at = totals.end; (totals.turn[at] & k_turn) != k_begins; at = index(states.back())) {
     const CurveState& here = states.back();
-    const std::size_t k = turned(here.direction, -totals.turn[at]);
+    const std::size_t k = turned(here.direction, k_most_turn - (totals.turn[at] & k_turn));
     states.push_back({here.row - k_cell_steps[k].rows, here.col - k_cell_steps[k].cols, k});
   }
   std::ranges::reverse(states);
@@ -263,25 +279,12 @@ std::vector<CurveState> CurveSearch::traced(const Totals& totals) const {
 }
 
 std::optional<ClosedCurve> CurveSearch::closed_at(int row, float limit) const {
-  const Totals totals = sweep(Sense::Ahead,
-                              {.from = states_at(row, begin_col_, k_most_turn),
-                               .to = states_at(row, begin_col_ + costs_.cols, k_most_turn),
-                               .limit = limit},
-                              to_end_);
-  if (!totals.reached) return std::nullopt;
-  ClosedCurve curve{.states = traced(totals), .energy = static_cast<double>(totals.total[totals.end])};
-  curve.states.pop_back();
-  return curve;
+  const std::array rows{row};
+  return through_column(rows, limit);
 }
 
-std::optional<ClosedCurve> CurveSearch::through_column(const std::vector<int>& rows) const {
-  Ends ends{.from = {}, .to = {}, .limit = k_out_of_reach};
-  for (const int row : rows) {
-    for (const CurveState& state : states_at(row, begin_col_, k_most_turn)) ends.from.push_back(state);
-    for (const CurveState& state : states_at(row, begin_col_ + costs_.cols, k_most_turn))
-      ends.to.push_back(state);
-  }
-  const Totals open = sweep(Sense::Ahead, ends, to_end_);
+std::optional<ClosedCurve> CurveSearch::through_column(std::span<const int> rows, float limit) const {
+  const Totals open = swept_ahead({.from_rows = rows, .to_rows = rows, .limit = limit});
   if (!open.reached) return std::nullopt;
   std::vector<CurveState> states = traced(open);
   const int first = states.front().row, last = states.back().row;
@@ -289,16 +292,15 @@ std::optional<ClosedCurve> CurveSearch::through_column(const std::vector<int>& r
     states.pop_back();
     return ClosedCurve{.states = std::move(states), .energy = static_cast<double>(open.total[open.end])};
   }
-  std::optional<ClosedCurve> one = closed_at(first, k_out_of_reach);
-  const auto limit = one ? static_cast<float>(one->energy) : k_out_of_reach;
-  std::optional<ClosedCurve> other = closed_at(last, limit);
-  return other && (!one || other->energy < one->energy) ? other : one;
+  std::optional<ClosedCurve> one = closed_at(first, limit);
+  std::optional<ClosedCurve> other = closed_at(last, one ? static_cast<float>(one->energy) : limit);
+  return other ? other : one;
 }
 
 std::optional<ClosedCurve> CurveSearch::best() const {
-  std::vector<int> rows;
-  for (int row = 0; row < costs_.rows; ++row) rows.push_back(row);
-  return through_column(rows);
+  std::vector<int> rows(static_cast<std::size_t>(costs_.rows));
+  std::iota(rows.begin(), rows.end(), 0);
+  return through_column(rows, k_out_of_reach);
 }
 
 std::optional<ClosedCurve> CurveSearch::other_than(const ClosedCurve& curve) const {
@@ -307,26 +309,20 @@ std::optional<ClosedCurve> CurveSearch::other_than(const ClosedCurve& curve) con
     const double away_mm = std::abs(row - curve.states.front().row) * Raster::k_cell_mm;
     if (away_mm > config_.apart_mm) rows.push_back(row);
   }
-  if (rows.empty()) return std::nullopt;
-  return through_column(rows);
+  return through_column(rows, static_cast<float>(curve.energy) + config_.rival_excess);
 }
 
 Large<float> CurveSearch::excess_about(const ClosedCurve& curve) const {
-  const int row = curve.states.front().row;
+  const std::array rows{curve.states.front().row};
   const auto energy = static_cast<float>(curve.energy);
   const float limit = energy + config_.rival_excess;
-  const std::vector<CurveState> begin = states_at(row, begin_col_, k_most_turn);
-  const std::vector<CurveState> end = states_at(row, begin_col_ + costs_.cols, k_most_turn);
-  Totals ahead, back;
-  tbb::parallel_invoke(
-      [&] { ahead = sweep(Sense::Ahead, {.from = begin, .to = {}, .limit = limit, .all = true}, to_end_); },
-      [&] {
-        back = sweep(Sense::Back, {.from = end, .to = {}, .limit = limit, .all = true}, bounds(Sense::Back));
-      });
+  const Totals ahead = swept_ahead({.from_rows = rows, .limit = limit, .all = true});
+  const Totals back = swept({.ahead = false, .from_rows = rows, .limit = limit, .all = true},
+                            [&](std::size_t state) { return ahead.total[state]; });
   Large<float> excess(static_cast<std::size_t>(costs_.rows) * static_cast<std::size_t>(costs_.cols));
   std::fill(excess.begin(), excess.end(), k_out_of_reach);
-  for (std::size_t state = 0; state < ahead.total.size(); ++state) {
-    if (ahead.total[state] == k_out_of_reach || back.total[state] == k_out_of_reach) continue;
+  for (std::size_t state = 0; state < back.total.size(); ++state) {
+    if (back.total[state] == k_out_of_reach) continue;
     const CurveState at = state_of(state);
     float& least = excess[costs_.at(at.row, round_col(at.col, costs_.cols))];
     least = std::clamp(ahead.total[state] + back.total[state] - energy, 0.0F, least);

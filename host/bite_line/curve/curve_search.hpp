@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "host/bite_line/curve/curve_costs.hpp"
@@ -30,8 +31,8 @@ struct CurveConfig {
   double bend_mm{1.0};
   /// A curve's place at the column where it begins is told from another one's so far away.
   double apart_mm{2.5};
-  /// What costs so much more than the best curve is no rival.
-  float rival_excess{30.0F};
+  /// What costs so much more than the best curve is no rival: the posterior leaves it a four-hundredth.
+  float rival_excess{12.0F};
 };
 
 /// Dijkstra's search over (place, direction), begun and closed on one column.  The same without bends, over
@@ -45,48 +46,50 @@ class CurveSearch {
 
   /// The cheapest one; none where the side has none.
   [[nodiscard]] std::optional<ClosedCurve> best() const;
-  /// The cheapest one that begins elsewhere on the column where `curve` does.
+  /// The cheapest one that begins elsewhere on the column where `curve` does; none where that is no rival.
   [[nodiscard]] std::optional<ClosedCurve> other_than(const ClosedCurve& curve) const;
   /// Per cell: how much more than `curve` the cheapest one through it costs that begins where `curve` does.
   /// Out of all bounds where that is more than `rival_excess`.
   [[nodiscard]] Large<float> excess_about(const ClosedCurve& curve) const;
 
  private:
-  enum class Sense : std::uint8_t { Ahead, Back };
   /// What a sweep found, per state of the unrolled side.
   struct Totals {
     Large<float> total;
-    Large<std::int8_t> turn;  ///< of the direction from the state before
-    std::size_t end{0};       ///< the first goal that was reached
+    Large<std::uint8_t> turn;  ///< of the direction from the state before, see curve_search.cpp
+    std::size_t end{0};        ///< the first goal that was reached
     bool reached{false};
   };
-  struct Ends {
-    std::vector<CurveState> from;
-    std::vector<CurveState> to;
-    float limit;      ///< what costs more is left out
-    bool all{false};  ///< not only up to the first end that is reached
+  struct Sweep {
+    bool ahead{true};
+    std::span<const int> from_rows, to_rows{};  ///< on the columns where a curve begins and ends
+    float limit;                                ///< what costs more is left out
+    bool all{false};                            ///< not only up to the first end that is reached
   };
-  /// Per unrolled cell: what leads from it to the end's column costs at least (ahead), or to it from the
-  /// begin's one (back), bends being free.
-  [[nodiscard]] Large<float> bounds(Sense sense) const;
-  [[nodiscard]] Totals sweep(Sense sense, const Ends& ends, const Large<float>& bound) const;
+  /// Per unrolled cell: what leads from it to the end's column costs at least, bends being free; what costs
+  /// much more than the cheapest way round is only said to do so.
+  [[nodiscard]] Large<float> bounds() const;
+  /// `bound`: of a state, what is left from it costs at least.
+  template <class Bound>
+  [[nodiscard]] Totals swept(const Sweep& sweep, Bound&& bound) const;
+  [[nodiscard]] Totals swept_ahead(const Sweep& sweep) const;
   template <class Reach>
-  void for_next(Sense sense, std::size_t state, float total, Reach&& reach) const;
-  [[nodiscard]] std::vector<CurveState> states_at(int row, int col, int about) const;
-  [[nodiscard]] std::optional<ClosedCurve> through_column(const std::vector<int>& rows) const;
+  void for_next(bool ahead, std::size_t state, float total, Reach&& reach) const;
+  [[nodiscard]] std::optional<ClosedCurve> through_column(std::span<const int> rows, float limit) const;
   [[nodiscard]] std::optional<ClosedCurve> closed_at(int row, float limit) const;
   [[nodiscard]] std::vector<CurveState> traced(const Totals& totals) const;
 
   [[nodiscard]] std::size_t index(const CurveState& state) const;
   [[nodiscard]] CurveState state_of(std::size_t index) const;
-  /// Columns are those of the unrolled side.
-  [[nodiscard]] float step_cost(std::size_t direction, int row, int col, int to_row, int to_col) const;
+  /// Cells are those of the unrolled side.
+  [[nodiscard]] float step_cost(std::size_t direction, std::size_t from, std::size_t to) const;
 
   const CurveCosts& costs_;
   CurveConfig config_;
   int begin_col_{0};
   int pad_cols_{0};
-  std::vector<std::size_t> first_cell_;  ///< of the side, per unrolled column
+  int unrolled_cols_{0};
+  Large<float> per_mm_;  ///< of the unrolled side
   Large<float> to_end_;
   std::array<float, k_directions> half_step_mm_;
   std::array<std::array<float, 5>, k_directions> bend_;  ///< by direction and turn -2 to 2

@@ -3,17 +3,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <utility>
 
-#include "host/bite_line/layers/evidence.hpp"
 #include "host/bite_line/layers/layers.hpp"
 #include "host/bite_line/level/levelled.hpp"
 #include "host/bite_line/level/place_along.hpp"
 #include "host/bite_line/path/creases.hpp"
 #include "host/bite_line/path/decide.hpp"
 #include "host/bite_line/place/finish.hpp"
+#include "host/bite_line/place/place_path.hpp"
 #include "host/bite_line/side/seam.hpp"
 #include "host/bite_line/side/side_outline.hpp"
+#include "host/geometry/bridge.hpp"
 
 namespace biteline::bite_line {
 
@@ -30,12 +32,13 @@ Raster raster_of(const Side& side) {
                     grid.z_low_mm, grid.rows * grid.row_mm, side.field.points_per_mm2);
 }
 
-/// The station beside each column of the levelled side.
-std::vector<const CurveStation*> on_columns_of(const std::vector<CurveStation>& stations,
-                                               const Levelled& levelled, const SideGrid& grid) {
+/// The station beside each column, by where a station lies along the columns.
+template <class Along>
+std::vector<const CurveStation*> on_columns(const std::vector<CurveStation>& stations, const SideGrid& grid,
+                                            Along&& along_mm) {
   std::vector<const CurveStation*> beside(static_cast<std::size_t>(grid.cols), nullptr);
   for (const CurveStation& station : stations) {
-    const double col = levelled.u_mm(station.place) / grid.col_mm;
+    const double col = along_mm(station.place) / grid.col_mm;
     beside[std::min(static_cast<std::size_t>(col), beside.size() - 1)] = &station;
   }
   const CurveStation* last = &stations.back();
@@ -46,21 +49,75 @@ std::vector<const CurveStation*> on_columns_of(const std::vector<CurveStation>& 
   return beside;
 }
 
-/// The curve as the gates and the placing steps take it: a crease along the levelled side's middle.
-Layers layers_of(const CurveOnSide& found, const Levelled& levelled, const Side& level) {
-  const SideGrid& grid = level.field.grid;
-  const double row = (levelled.height_mm() - grid.z_low_mm) / grid.row_mm - 0.5;
-  const std::vector<int> path(static_cast<std::size_t>(grid.cols), static_cast<int>(std::lround(row)));
-  const Evidence evidence = find_evidence(level.field, {.thin_soles = true});
+/// The raster tells a place to one of its cells; within that the line is where the field turns most.
+std::vector<int> on_crest(const SideField& field, std::span<const int> path) {
+  const SideGrid& grid = field.grid;
+  const int reach = static_cast<int>(std::lround(Raster::k_cell_mm / grid.row_mm));
+  std::vector<int> crest;
+  for (int col = 0; col < grid.cols; ++col) {
+    const int middle = path[static_cast<std::size_t>(col)];
+    int best = middle;
+    for (int row = std::max(0, middle - reach); row <= std::min(grid.rows - 1, middle + reach); ++row)
+      if (field.turn_rad[grid.at(row, col)] > field.turn_rad[grid.at(best, col)]) best = row;
+    crest.push_back(best);
+  }
+  return crest;
+}
+
+/// What else the line may be on one side of it, a stretch of columns after the other.  `rise_mm`: how much
+/// higher an alternative lies.
+template <class Rise>
+void add_rivals(std::span<const CurveStation* const> stations, const SideField& field,
+                std::span<const int> path, bool above, Rise&& rise_mm, std::vector<Rival>& rivals) {
+  constexpr double k_jump_mm = 3.0, k_least_mm = 5.0;
+  const SideGrid& grid = field.grid;
+  const std::size_t cols = path.size();
+  std::vector<double> by_mm(cols, 0.0);
+  for (std::size_t c = 0; c < cols; ++c) {
+    const auto& others = stations[c]->alternatives;
+    const auto at =
+        std::ranges::find_if(others, [&](const auto& other) { return (other.off_mm > 0) == above; });
+    if (at != others.end()) by_mm[c] = rise_mm(*stations[c], *at);
+  }
+  std::vector<std::uint8_t> ends(cols);
+  for (std::size_t c = 0; c < cols; ++c)
+    ends[c] = by_mm[c] == 0 || std::abs(by_mm[c] - by_mm[(c + cols - 1) % cols]) > k_jump_mm ? 1 : 0;
+  std::vector<geometry::Gap> stretches = geometry::gaps_of(ends);
+  const bool all_round = std::ranges::find(ends, 1) == ends.end();
+  if (all_round) stretches.push_back({.first = 0, .steps = cols + 1});
+  for (const geometry::Gap& stretch : stretches) {
+    if (static_cast<double>(stretch.steps - 1) * grid.col_mm < k_least_mm) continue;
+    std::vector<int> row(path.begin(), path.end());
+    for (std::size_t k = 1; k < stretch.steps; ++k) {
+      const std::size_t c = (stretch.first + k) % cols;
+      row[c] = std::clamp(row[c] + static_cast<int>(std::lround(by_mm[c] / grid.row_mm)), 0, grid.rows - 1);
+    }
+    rivals.push_back({.crease = describe(field, {}, on_crest(field, row), {}),
+                      .first_col = static_cast<int>((stretch.first + 1) % cols),
+                      .cols = static_cast<int>(stretch.steps - 1),
+                      .above = above,
+                      .all_round = all_round});
+  }
+}
+
+/// The curve as the gates and the placing steps take it: a crease along a path, and what the posterior holds
+/// of it.
+template <class Rise>
+Layers layers_of(const CurveOnSide& found, std::span<const CurveStation* const> stations,
+                 const SideField& field, std::span<const int> path, Rise&& rise_mm) {
   Layers layers;
-  layers.line = describe(level.field, {evidence.likeness.data(), evidence.likeness.size()}, path, {});
-  for (const CurveStation* station : on_columns_of(found.stations, levelled, grid)) {
+  layers.line = describe(field, {}, on_crest(field, path), {});
+  layers.line.evidence = found.evidence;
+  for (const CurveStation* station : stations) {
     layers.hold.push_back(static_cast<float>(station->hold));
     layers.other_mm.push_back(station->alternatives.empty()
                                   ? 0.0F
                                   : static_cast<float>(std::abs(station->alternatives.front().off_mm)));
   }
-  layers.sharp = sharp_along(level.field, layers.line);
+  layers.sharp = sharp_along(field, layers.line);
+  for (const bool above : {true, false}) add_rivals(stations, field, path, above, rise_mm, layers.rivals);
+  std::ranges::sort(layers.rivals, std::ranges::greater{}, &Rival::cols);
+  layers.rivals.resize(std::min<std::size_t>(layers.rivals.size(), LayersConfig{}.most));
   return layers;
 }
 
@@ -69,37 +126,97 @@ struct PlacedCurve {
   PlacedLine placed;
 };
 
-PlacedCurve place_curve(const ScanPoints& scan, const Side& side, const CurveOnSide& found,
-                        const std::optional<SeamStep>& seam, const Config& config) {
-  PlacedCurve result;
-  std::vector<Vec2> guide;
-  for (const CurveStation& station : found.stations) guide.push_back(station.place);
-  const OrRefusal<Levelled> levelled =
-      Levelled::along(side, smooth_guide(guide, side.outline.length_mm(), k_curve_sigma_mm));
-  if (!levelled) {
-    result.decision.refusal = levelled.error();
+/// How a curve is judged and placed.
+class CurvePlacer {
+ public:
+  /// All borrowed.
+  CurvePlacer(const ScanPoints& scan, const Side& side, const CurveOnSide& found,
+              const std::optional<SeamStep>& seam, const Config& config)
+      : scan_{scan}, side_{side}, found_{found}, seam_{seam}, config_{config} {}
+
+  /// Sections are upright by the line's definition; only where it climbs steeply is the side levelled first.
+  [[nodiscard]] PlacedCurve run() const {
+    constexpr double k_steep = 0.5;
+    const SideGrid& grid = side_.field.grid;
+    const double turn_mm = side_.outline.length_mm();
+    const auto stations = on_columns(found_.stations, grid, [&](const Vec2& at) {
+      return at.x() - turn_mm * std::floor(at.x() / turn_mm);
+    });
+    std::vector<int> path;
+    for (const CurveStation* station : stations)
+      path.push_back(
+          std::clamp(static_cast<int>(std::lround((station->place.y() - grid.z_low_mm) / grid.row_mm - 0.5)),
+                     0, grid.rows - 1));
+    const std::vector<double> row = smooth_rows(grid, path);
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      const double rise_mm = (row[(i + 1) % row.size()] - row[i]) * grid.row_mm;
+      if (std::abs(rise_mm) > k_steep * grid.col_mm) return along_curve();
+    }
+    PlacedCurve result;
+    const Layers layers = layers_of(
+        found_, stations, side_.field, path, [](const CurveStation& station, const CurveAlternative& other) {
+          // Square to a curve that climbs a little; the path is told upright.
+          return other.off_mm * other.off_mm / (other.place.y() - station.place.y());
+        });
+    result.decision = decided(layers);
+    if (!shows(result.decision)) return result;
+    result.placed = place_path(scan_, side_, result.decision.paths.front().row,
+                               {.hold = layers.hold, .other_mm = layers.other_mm, .sharp = layers.sharp},
+                               config_.point_spacing_mm);
     return result;
   }
-  const Side level = side_along(*levelled);
-  const Layers layers = layers_of(found, *levelled, level);
-  result.decision = decide(layers, plan_shape(side_reach(side)), seam, config.min_confidence_ratio);
-  if (!result.decision.refusal || result.decision.for_review) {
-    OrRefusal<PlacedLine> placed = place_along(scan, side,
-                                               {.levelled = *levelled,
-                                                .grid = level.field.grid,
-                                                .path_row = result.decision.paths.front().row,
-                                                .layers = layers},
-                                               config.point_spacing_mm);
-    if (placed) {
-      result.placed = std::move(*placed);
-    } else {
-      result.decision.refusal = placed.error();
-      result.decision.for_review = false;
-    }
+
+ private:
+  static bool shows(const Decision& decision) { return !decision.refusal || decision.for_review; }
+
+  [[nodiscard]] Decision decided(const Layers& layers) const {
+    return decide(layers, plan_shape(side_reach(side_)), seam_, config_.min_confidence_ratio);
   }
-  for (JudgedPath& path : result.decision.paths) path.row = levelled->back(level.field, path.row);
-  return result;
-}
+
+  [[nodiscard]] PlacedCurve along_curve() const {
+    PlacedCurve result;
+    std::vector<Vec2> guide;
+    for (const CurveStation& station : found_.stations) guide.push_back(station.place);
+    const OrRefusal<Levelled> levelled =
+        Levelled::along(side_, smooth_guide(guide, side_.outline.length_mm(), k_curve_sigma_mm));
+    if (!levelled) {
+      result.decision.refusal = levelled.error();
+      return result;
+    }
+    const Side level = side_along(*levelled);
+    const SideGrid& grid = level.field.grid;
+    const double row = (levelled->height_mm() - grid.z_low_mm) / grid.row_mm - 0.5;
+    const std::vector<int> path(static_cast<std::size_t>(grid.cols), static_cast<int>(std::lround(row)));
+    const auto stations =
+        on_columns(found_.stations, grid, [&](const Vec2& at) { return levelled->u_mm(at); });
+    const Layers layers =
+        layers_of(found_, stations, level.field, path,
+                  [](const CurveStation&, const CurveAlternative& other) { return other.off_mm; });
+    result.decision = decided(layers);
+    if (shows(result.decision)) {
+      OrRefusal<PlacedLine> placed = place_along(scan_, side_,
+                                                 {.levelled = *levelled,
+                                                  .grid = grid,
+                                                  .path_row = result.decision.paths.front().row,
+                                                  .layers = layers},
+                                                 config_.point_spacing_mm);
+      if (placed) {
+        result.placed = std::move(*placed);
+      } else {
+        result.decision.refusal = placed.error();
+        result.decision.for_review = false;
+      }
+    }
+    for (JudgedPath& path_of : result.decision.paths) path_of.row = levelled->back(level.field, path_of.row);
+    return result;
+  }
+
+  const ScanPoints& scan_;
+  const Side& side_;
+  const CurveOnSide& found_;
+  const std::optional<SeamStep>& seam_;
+  const Config& config_;
+};
 
 }  // namespace
 
@@ -117,8 +234,16 @@ std::optional<CurveOnSide> curve_on(const Side& side) {
     add_rival(raster, *rival, *rival_excess, excess);
   }
   std::vector<CurveStation> stations = curve_posterior(raster, *best, excess, {});
-  return CurveOnSide{
-      .curve = std::move(*best), .rival_excess = rival_excess, .stations = std::move(stations)};
+  double evidence = 0;
+  for (const CurveState& at : best->states) {
+    const std::size_t cell = costs.at(at.row, raster.round_col(at.col));
+    evidence += std::exp(-static_cast<double>(costs.of(cell, at.direction)));
+  }
+  evidence /= static_cast<double>(best->states.size());
+  return CurveOnSide{.curve = std::move(*best),
+                     .rival_excess = rival_excess,
+                     .evidence = evidence,
+                     .stations = std::move(stations)};
 }
 
 Extraction find_by_curve(const ScanPoints& scan, const Config& config, std::optional<Workings>* workings) {
@@ -132,7 +257,9 @@ Extraction find_by_curve(const ScanPoints& scan, const Config& config, std::opti
       clock.run("seam", [&] { return seam_step(scan, side.shoe, side.outline); });
   const std::optional<CurveOnSide> found = clock.run("curve", [&] { return curve_on(side); });
   if (!found) return refused({Refused::NoCreaseAllRound, "no curve leads round the side"}, clock.take());
-  PlacedCurve placed = clock.run("place", [&] { return place_curve(scan, side, *found, seam, config); });
+  PlacedCurve placed = clock.run("place", [&] {
+    return CurvePlacer{scan, side, *found, seam, config}.run();
+  });
   Extraction extraction = clock.run("finish", [&] {
     uncertainty::WholeScan whole{.head = {}, .arm = scan.arm};
     if (config.head != nullptr && !scan.poses.empty()) whole.head.emplace(*config.head, scan.poses);

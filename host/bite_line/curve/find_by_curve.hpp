@@ -20,6 +20,7 @@ namespace biteline::bite_line {
 struct CurveOnSide {
   ClosedCurve curve;
   std::optional<double> rival_excess;  ///< what the best other closed curve costs more, where there is one
+  double evidence{0};                  ///< mean probability of its places by the surface alone, 0 to 1
   std::vector<CurveStation> stations;  ///< a place of the curve after the other, once round
 };
 /// None where the side has none.

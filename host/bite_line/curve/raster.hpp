@@ -21,24 +21,13 @@ struct CellStep {
 
   [[nodiscard]] double length() const { return std::hypot(cols, rows); }  ///< in cells
 };
-/// Some 22.5 degrees apart, anticlockwise from "along the outline"; the second half leads back.
-inline constexpr std::array<CellStep, 16> k_cell_steps{{{1, 0},
-                                                        {2, 1},
-                                                        {1, 1},
-                                                        {1, 2},
-                                                        {0, 1},
-                                                        {-1, 2},
-                                                        {-1, 1},
-                                                        {-2, 1},
-                                                        {-1, 0},
-                                                        {-2, -1},
-                                                        {-1, -1},
-                                                        {-1, -2},
-                                                        {0, -1},
-                                                        {1, -2},
-                                                        {1, -1},
-                                                        {2, -1}}};
+/// Some 22.5 degrees apart, anticlockwise: from down and a little back to up and a little back.  No line of
+/// a shoe runs back along the outline for long.
+inline constexpr std::array<CellStep, 11> k_cell_steps{
+    {{-1, -2}, {0, -1}, {1, -2}, {1, -1}, {2, -1}, {1, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 1}, {-1, 2}}};
 inline constexpr std::size_t k_directions = k_cell_steps.size();
+inline constexpr std::size_t k_level_direction = 5;
+inline constexpr std::size_t k_axes = 8;  ///< a direction and the eighth one after it are opposite
 
 /// How far out the surface lies, as a plane about the middle of each cell: alike in all directions, as
 /// creases that stand upright need it.  Rows go up; columns go along the outline, and the last one has the

@@ -165,7 +165,7 @@ Crease describe(const SideField& field, std::span<const float> likeness, std::sp
     const int row = path[col];
     const std::size_t cell = grid.at(row, c);
     crease.mean_height_mm += grid.z_mm(row) / grid.cols;
-    crease.evidence += static_cast<double>(likeness[cell]) / grid.cols;
+    if (!likeness.empty()) crease.evidence += static_cast<double>(likeness[cell]) / grid.cols;
     if (field.seen[cell] == 0) continue;
     ++seen;
     if (wall_above(field, row, c, config.upper_mm)) crease.upper_share += 1;

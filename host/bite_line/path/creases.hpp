@@ -45,7 +45,7 @@ struct CreaseConfig {
 /// A path without its steps.
 [[nodiscard]] std::vector<double> smooth_rows(const SideGrid& grid, std::span<const int> path);
 
-/// What the surface does along a closed path, one row per column.
+/// What the surface does along a closed path, one row per column.  Without `likeness` evidence is left at 0.
 [[nodiscard]] Crease describe(const SideField& field, std::span<const float> likeness,
                               std::span<const int> path, const CreaseConfig& config);
 

@@ -1,21 +1,24 @@
 // SPDX-License-Identifier: MIT
 // The default finder and the closed curve side by side, on made shoes of new seeds (ordinary, toe guards,
-// high heels) and on shapes of public origin: right, wrong, for review, refused, and the time each takes.
-// What holds no line is a thing, and right where nothing is found on it.
+// high heels) and on shapes of public origin: right, wrong, for review, refused, and the processor time each
+// takes. What holds no line is a thing, and right where nothing is found on it.
 //
 // Without a known line a shape is told with how far both lines lie apart: these are to be looked at.
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
+#include <ctime>
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
 
 #include "host/bite_line/curve/find_by_curve.hpp"
 #include "host/bite_line/find_bite_line.hpp"
+#include "host/bite_line/place/point_spread.hpp"
 #include "host/cloud/ply.hpp"
+#include "host/cloud/uncertainty/radius.hpp"
 #include "tests/bench/line/curve_cases.hpp"
 #include "tests/bench/line/sweep_options.hpp"
 #include "tests/support/line_distance.hpp"
@@ -24,8 +27,7 @@
 namespace biteline::bench {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
+/// A line, and what it took of the processor: other work beside it does not count.
 struct Found {
   bite_line::Extraction line;
   double ms{0};
@@ -33,9 +35,9 @@ struct Found {
 
 template <class Find>
 Found timed(Find&& find) {
-  const Clock::time_point begin = Clock::now();
+  const std::clock_t begin = std::clock();
   Found found{.line = find(), .ms = 0};
-  found.ms = std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
+  found.ms = 1000.0 * static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
   return found;
 }
 
@@ -99,11 +101,19 @@ struct Tally {
 
 class Compare {
  public:
-  Compare(std::string save, bool alone) : save_{std::move(save)}, alone_{alone} {}
+  Compare(std::string save, bool alone, const std::string& points) : save_{std::move(save)}, alone_{alone} {
+    if (points.empty()) return;
+    points_.reset(std::fopen(points.c_str(), "w"));
+    if (points_)
+      std::fprintf(points_.get(),
+                   "kind,name,truth_mm,x_mm,z_mm,hold,within,other_mm,doubt,sharp,u95_mm,off_mm\n");
+  }
 
   void judge(const CurveCase& of) {
-    const Found curve = timed([&] { return bite_line::find_by_curve(of.scan.cloud, {}); });
+    std::optional<bite_line::Workings> workings;
+    const Found curve = timed([&] { return bite_line::find_by_curve(of.scan.cloud, {}, &workings); });
     tell(of, "curve", curve);
+    if (points_ && workings && !of.scan.truth.points.empty()) write_points(of, curve.line, *workings);
     if (alone_) return;
     const Found ours = timed([&] { return bite_line::find_bite_line(of.scan.cloud, {}); });
     tell(of, "default", ours);
@@ -144,6 +154,21 @@ class Compare {
     std::fprintf(stderr, "\n");
   }
 
+  /// Of each placed station, what its confidence is made of, and how far it is from the known line.
+  void write_points(const CurveCase& of, const bite_line::Extraction& found,
+                    const bite_line::Workings& workings) const {
+    for (const bite_line::PlacedStation& p : workings.placed.points) {
+      const bite_line::PointSpread own = bite_line::spread_of(p);
+      const Vec3 at = found.T_base_shoe * p.position;
+      std::fprintf(
+          points_.get(), "%s,%s,%.3f,%.2f,%.2f,%.4f,%.4f,%.3f,%.3f,%.4f,%.4f,%.3f\n", of.kind.c_str(),
+          of.name.c_str(), of.truth_mm, p.position.x(), p.position.z(), own.hold, own.within, own.other_mm,
+          p.doubt, p.sharp,
+          uncertainty::u95_mm(uncertainty::principal_axes(own.covariance_mm2), own.hold, own.other_mm),
+          test::distance_mm(at, of.scan.truth));
+    }
+  }
+
   void save(const CurveCase& of, const bite_line::Extraction& ours,
             const bite_line::Extraction& curve) const {
     const std::filesystem::path folder{save_};
@@ -155,12 +180,13 @@ class Compare {
 
   std::string save_;
   bool alone_;
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> points_{nullptr, &std::fclose};
   std::map<std::string, Tally> tallies_;
 };
 
 int run(int argc, char** argv) {
   CaseOptions cases{.seed = 9201, .unknown_shapes = true};
-  std::string save;
+  std::string save, points;
   bool no_shapes = false, alone = false;
   options::Command command{"The default finder beside the closed curve", "bench_curve"};
   command.add_option("--seed", cases.seed, "of the made shoes")->capture_default_str();
@@ -171,9 +197,10 @@ int run(int argc, char** argv) {
   command.add_flag("--made", no_shapes, "made shoes alone");
   command.add_flag("--alone", alone, "the curve, and not the default finder");
   command.add_option("--save", save, "clouds and lines go to this folder");
+  command.add_option("--points", points, "a row for each of the curve's stations goes to this file");
   if (const std::optional<int> status = read_options(command, argc, argv)) return *status;
   cases.shapes = !no_shapes;
-  Compare compare{save, alone};
+  Compare compare{save, alone, points};
   for_cases(cases, [&](CurveCase&& of) { compare.judge(of); });
   compare.summary();
   return 0;

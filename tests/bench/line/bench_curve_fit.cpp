@@ -296,7 +296,7 @@ class CurveFit {
     std::vector<std::vector<Sample>> each(held_.size());
     tbb::parallel_for(std::size_t{0}, held_.size(), [&](std::size_t i) {
       CreaseLooks looks{held_[i].raster};
-      if (alone) looks.look_beside(*alone);
+      if (alone) static_cast<void>(looks.look_beside({.alone = *alone, .all = {}}));
       each[i] = samples_of(held_[i], i, looks, alone);
     });
     std::vector<Sample> all;

@@ -23,11 +23,11 @@ constexpr int k_rows = 80, k_cols = 200;
 /// Cells of which those that `on` says cost `own` for each millimetre in any direction, the others 3.
 CurveCosts costs_where(const std::function<bool(int row, int col)>& on, float own = 0.05F) {
   CurveCosts costs{.rows = k_rows, .cols = k_cols, .per_mm = {}};
-  for (Large<float>& per_mm : costs.per_mm) {
-    per_mm.resize(static_cast<std::size_t>(k_rows) * k_cols);
-    for (int col = 0; col < k_cols; ++col)
-      for (int row = 0; row < k_rows; ++row) per_mm[costs.at(row, col)] = on(row, col) ? own : 3.0F;
-  }
+  costs.per_mm.resize(static_cast<std::size_t>(k_rows) * k_cols * k_directions);
+  for (int col = 0; col < k_cols; ++col)
+    for (int row = 0; row < k_rows; ++row)
+      for (std::size_t k = 0; k < k_directions; ++k)
+        costs.of(costs.at(row, col), k) = on(row, col) ? own : 3.0F;
   return costs;
 }
 
@@ -205,12 +205,12 @@ TEST(CurveCosts, AStepAllRoundIsCheapInItsDirectionAlone) {
   const int row = static_cast<int>(std::lround(raster.row_of(25)));
   const auto least = [&](std::size_t direction, int at) {
     float cost = k_most_cost_per_mm;
-    for (int r = at - 1; r <= at + 1; ++r) cost = std::min(cost, costs.per_mm[direction][costs.at(r, 100)]);
+    for (int r = at - 1; r <= at + 1; ++r) cost = std::min(cost, costs.of(costs.at(r, 100), direction));
     return cost;
   };
-  CHECK(least(0, row) < 0.5F);
-  CHECK(least(4, row) > 1.0F);
-  CHECK(least(0, row + 15) > 1.0F);
+  CHECK(least(k_level_direction, row) < 0.5F);
+  CHECK(least(k_level_direction + 4, row) > 1.0F);
+  CHECK(least(k_level_direction, row + 15) > 1.0F);
 }
 
 TEST(CurveCosts, ACurveFollowsAStepThatRisesUprightRoundTheToe) {
