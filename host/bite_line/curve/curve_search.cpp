@@ -151,7 +151,7 @@ Large<float> CurveSearch::bounds() const {
   while (open.pop(here)) {
     if (least[here] > most) break;
     if (most == k_out_of_reach && here >= to && here < to + static_cast<std::size_t>(rows))
-      most = least[here] + 2 * config_.rival_excess;
+      most = least[here] + static_cast<float>(2 * config_.rival_excess);
     const int col = static_cast<int>(here) / rows, row = static_cast<int>(here) % rows;
     for (std::size_t k = 0; k < k_directions; ++k) {
       const int r = row - k_cell_steps[k].rows, c = col - k_cell_steps[k].cols;
@@ -309,13 +309,13 @@ std::optional<ClosedCurve> CurveSearch::other_than(const ClosedCurve& curve) con
     const double away_mm = std::abs(row - curve.states.front().row) * Raster::k_cell_mm;
     if (away_mm > config_.apart_mm) rows.push_back(row);
   }
-  return through_column(rows, static_cast<float>(curve.energy) + config_.rival_excess);
+  return through_column(rows, static_cast<float>(curve.energy + config_.rival_excess));
 }
 
 Large<float> CurveSearch::excess_about(const ClosedCurve& curve) const {
   const std::array rows{curve.states.front().row};
   const auto energy = static_cast<float>(curve.energy);
-  const float limit = energy + config_.rival_excess;
+  const auto limit = static_cast<float>(curve.energy + config_.rival_excess);
   const Totals ahead = swept_ahead({.from_rows = rows, .limit = limit, .all = true});
   const Totals back = swept({.ahead = false, .from_rows = rows, .limit = limit, .all = true},
                             [&](std::size_t state) { return ahead.total[state]; });

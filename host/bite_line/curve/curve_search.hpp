@@ -32,7 +32,7 @@ struct CurveConfig {
   /// A curve's place at the column where it begins is told from another one's so far away.
   double apart_mm{2.5};
   /// What costs so much more than the best curve is no rival: the posterior leaves it a four-hundredth.
-  float rival_excess{12.0F};
+  double rival_excess{12.0};
 };
 
 /// Dijkstra's search over (place, direction), begun and closed on one column.  The same without bends, over

@@ -177,11 +177,12 @@ SignWeights fitted(const std::vector<Sample>& samples, const std::vector<Held>& 
 }
 
 /// Tried for PosteriorConfig::temperature.
-constexpr std::array k_temperatures{0.7, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0};
+constexpr std::array k_temperatures{0.7, 1.0, 1.4, 2.0, 2.8, 4.0, 5.6, 8.0};
 
 struct SearchVerdict {
   double wrong_mm{0};
   double energy{0};
+  double known_energy{0};  ///< of the cheapest curve along the known line, where another one was found
   /// Mean logarithm of what the posterior gave to what is true, per temperature.
   std::array<double, k_temperatures.size()> score{};
 };
@@ -212,6 +213,19 @@ void score(const Held& held, const bite_line::CurveSearch& search, const ClosedC
   }
 }
 
+/// What the known line itself costs: all that is farther from it costs the most.
+double energy_along_truth(const Held& held, bite_line::CurveCosts costs,
+                          const bite_line::CurveConfig& config) {
+  constexpr double k_beside_mm = 3;
+  for (int col = 0; col < costs.cols; ++col)
+    for (int row = 0; row < costs.rows; ++row)
+      if (least_off_mm(held.raster.place(row, col), held.truth, held.turn_mm) > k_beside_mm)
+        for (std::size_t k = 0; k < bite_line::k_directions; ++k)
+          costs.of(costs.at(row, col), k) = bite_line::k_most_cost_per_mm;
+  const std::optional<ClosedCurve> curve = bite_line::CurveSearch{costs, config}.best();
+  return curve ? curve->energy : 0;
+}
+
 SearchVerdict searched(const Held& held, const CurveWeights& weights, const bite_line::CurveConfig& config,
                        bool scored = false) {
   SearchVerdict verdict;
@@ -229,6 +243,7 @@ SearchVerdict searched(const Held& held, const CurveWeights& weights, const bite
     if (seen && least_off_mm(held.truth[i], places, held.turn_mm) > 2.0 + held.truth_mm)
       verdict.wrong_mm += Raster::k_cell_mm;
   }
+  if (scored && verdict.wrong_mm > 5) verdict.known_energy = energy_along_truth(held, costs, config);
   return verdict;
 }
 
@@ -318,21 +333,37 @@ class CurveFit {
       good += verdicts[i].wrong_mm <= 5 ? 1 : 0;
       ++all;
       if (verdicts[i].wrong_mm > 5)
-        std::printf("  %-60s wrong %.0f mm of %.0f, energy %.0f\n", held_[i].name.c_str(),
-                    verdicts[i].wrong_mm, Raster::k_cell_mm * static_cast<double>(held_[i].truth.size()),
-                    verdicts[i].energy);
+        std::printf("  %-60s wrong %.0f mm of %.0f, energy %.0f, the known line's %.0f\n",
+                    held_[i].name.c_str(), verdicts[i].wrong_mm,
+                    Raster::k_cell_mm * static_cast<double>(held_[i].truth.size()), verdicts[i].energy,
+                    verdicts[i].known_energy);
     }
+    tell_temperature(verdicts, right);
+    for (const auto& [kind, count] : right)
+      std::printf("%s: %s right %d of %d\n", what, kind.c_str(), count.first, count.second);
+    std::fflush(stdout);
+  }
+
+  /// The likeliest one; each kind counts alike, as it is told.
+  void tell_temperature(const std::vector<SearchVerdict>& verdicts,
+                        const std::map<std::string, std::pair<int, int>>& kinds) const {
+    double most = -1e9, likeliest = 0;
     for (std::size_t t = 0; t < k_temperatures.size(); ++t) {
       std::map<std::string, double> sum;
       for (std::size_t i = 0; i < held_.size(); ++i) sum[held_[i].kind] += verdicts[i].score[t];
       std::printf("temperature %.1f: mean score", k_temperatures[t]);
-      for (const auto& [kind, of_kind] : sum)
-        std::printf(" %s %.4f", kind.c_str(), of_kind / right[kind].second);
+      double all = 0;
+      for (const auto& [kind, of_kind] : sum) {
+        const double mean = of_kind / kinds.at(kind).second;
+        std::printf(" %s %.4f", kind.c_str(), mean);
+        all += mean;
+      }
       std::printf("\n");
+      if (all <= most) continue;
+      most = all;
+      likeliest = k_temperatures[t];
     }
-    for (const auto& [kind, count] : right)
-      std::printf("%s: %s right %d of %d\n", what, kind.c_str(), count.first, count.second);
-    std::fflush(stdout);
+    std::printf("likeliest temperature %.1f\n", likeliest);
   }
 
   bite_line::CurveConfig config_;
@@ -343,7 +374,7 @@ class CurveFit {
 
 int run(int argc, char** argv) {
   CaseOptions cases;
-  bite_line::CurveConfig config;
+  bite_line::CurveConfig config{.rival_excess = 6 * k_temperatures.back()};
   std::size_t threads = 2;
   bool only_check = false, leave_out = false;
   options::Command command{"Fits the curve's data term", "bench_curve_fit"};

@@ -11,6 +11,7 @@
 #include "host/bite_line/curve/curve_costs.hpp"
 #include "host/bite_line/curve/curve_posterior.hpp"
 #include "host/bite_line/curve/curve_search.hpp"
+#include "host/bite_line/curve/find_by_curve.hpp"
 #include "tests/unit/host/bite_line/drum.hpp"
 
 namespace biteline::bite_line::test {
@@ -226,6 +227,31 @@ TEST(CurveCosts, ACurveFollowsAStepThatRisesUprightRoundTheToe) {
     const bool beside_flank = std::abs(place.x() - 300) < 3 || std::abs(place.x() - 340) < 3;
     if (!beside_flank) DOUBLES_EQUAL(height_mm(place.x()), place.y(), 1.2);
   }
+}
+
+TEST_GROUP(FindByCurve){void teardown() override{forgive_underflow();
+}  // namespace biteline::bite_line::test
+}
+;
+
+TEST(FindByCurve, AnotherWayOfAStretchIsACandidate) {
+  // Over 16 mm the step is two, 2 mm above and below, of which the lower one takes seven tenths.
+  constexpr double k_from_mm = 312, k_to_mm = 328, k_half_mm = 2, k_lower_share = 0.7;
+  cloud::PointCloud cloud;
+  cloud.points = drum_points(egg_outline(), [](double s, double z) {
+    const double beyond_mm = std::max({0.0, k_from_mm - s, s - k_to_mm});
+    const double by_mm = std::max(0.0, k_half_mm - beyond_mm);
+    return -0.1 * std::max(0.0, z - 25) - (z > 25 - by_mm ? k_lower_share : 0) -
+           (z > 25 + by_mm ? 1 - k_lower_share : 0);
+  });
+  const Extraction found = find_by_curve(cloud, {});
+  CHECK(found.candidates.size() > 1);
+  const std::vector<Vec3>&one = found.candidates[0].points, &other = found.candidates[1].points;
+  LONGS_EQUAL(one.size(), other.size());
+  double most_mm = 0;
+  for (std::size_t i = 0; i < one.size(); ++i)
+    most_mm = std::max(most_mm, std::abs(one[i].z() - other[i].z()));
+  DOUBLES_EQUAL(2 * k_half_mm, most_mm, 1.0);
 }
 
 TEST_GROUP(CurveRaster){};
