@@ -32,6 +32,8 @@ struct SceneOptions {
   double speed_mm_s{100};
   double rate_hz{100};
   double ambient_grey{0};
+  sim::HeadLight light{};
+  std::string light_source{"laser"};
   double scan_begin_ratio{0};  ///< of the way round, from the heel, anticlockwise
   bool scan_clockwise{false};
   double check_lap_mm{0};  ///< the scan's ends overlap by so much, differently held; 0: they do not
@@ -41,6 +43,8 @@ struct SceneOptions {
 void add_scene_options(options::Command& command, SceneOptions& options);
 /// Of what goes round the shoe.
 void add_way_round_options(options::Command& command, SceneOptions& options);
+/// Of the head's lens and laser: what speckle they make.
+void add_light_options(options::Command& command, SceneOptions& options);
 /// Of recordings alone: a live cell has its own arm and says how the head hangs on it.
 void add_reach_option(options::Command& command, SceneOptions& options);
 [[nodiscard]] Result<sim::SceneSettings> scene_settings(const SceneOptions& options);

@@ -159,6 +159,7 @@ void add_record(options::Command& app, Context& context) {
   options::Command* command =
       app.add_subcommand("record", "Write a made scan as a session folder, with its truth; no time runs");
   add_scene_options(*command, options->scene);
+  add_light_options(*command, options->scene);
   add_way_round_options(*command, options->scene);
   add_reach_option(*command, options->scene);
   add_world_options(*command, options->world);

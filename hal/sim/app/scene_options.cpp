@@ -56,6 +56,31 @@ void add_scene_options(options::Command& command, SceneOptions& options) {
       ->check(options::number({.minimum = 1, .maximum = 1000}, ""));
 }
 
+void add_light_options(options::Command& command, SceneOptions& options) {
+  sim::HeadLight& light = options.light;
+  command
+      .add_option(
+          "--f-number", light.f_number,
+          "Of the head's lens: the smaller, the less speckle, and the less depth of field; the stripe "
+          "stays as bright")
+      ->check(options::number({.minimum = 2, .maximum = 22}, ""))
+      ->capture_default_str();
+  command.add_option("--wavelength-nm", light.wavelength_nm, "Of the head's laser")
+      ->check(options::number({.minimum = 400, .maximum = 900}, "nm"))
+      ->capture_default_str();
+  command
+      .add_option("--line-width-nm", light.line_width_nm,
+                  "Of the laser's spectrum, full width at half height: rough and translucent surfaces have "
+                  "less speckle in a wider one")
+      ->check(options::number({.minimum = 0, .maximum = 20}, "nm"))
+      ->capture_default_str();
+  command
+      .add_option("--light", options.light_source,
+                  "laser: coherent, with speckle; lamp: a line of a lamp's light, without")
+      ->check(options::one_of({"laser", "lamp"}))
+      ->capture_default_str();
+}
+
 void add_way_round_options(options::Command& command, SceneOptions& options) {
   command
       .add_option(
@@ -116,7 +141,9 @@ Result<sim::SceneSettings> scene_settings(const SceneOptions& options) {
       .scan_clockwise = options.scan_clockwise,
       .rate_hz = options.rate_hz,
       .ambient_grey = options.ambient_grey,
+      .light = options.light,
       .check = {.length_mm = options.check_lap_mm}};
+  settings.light.coherent = options.light_source == "laser";
   if (!options.reach_of.empty()) settings.places = sim::places_within_reach_of(options.reach_of);
   if (options.upper) {
     settings.shoe = sim::bare_upper_of(settings.shoe, options.last_difference_mm, settings.place_seed);

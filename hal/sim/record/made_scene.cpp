@@ -89,6 +89,7 @@ Result<std::unique_ptr<MadeScene>> make_scene(const SceneSettings& settings) {
   MadeHead head = draw_head(settings.head_seed, settings.holder);
   head.model.rate_hz = settings.rate_hz;
   head.faults.ambient_grey = settings.ambient_grey;
+  set_light(head, settings.light);
   SurfaceMesh mesh = mesh_of(placed.shoe, settings.fineness);
   SurfaceMesh seen = mesh;
   if (settings.surroundings) add_surroundings(seen, placed.shoe.outline());

@@ -39,7 +39,8 @@ struct SceneSettings {
   double scan_begin_ratio{0};  ///< of the way round, from the heel, anticlockwise: where the scan begins
   bool scan_clockwise{false};  ///< on the arm: the other way round, so that a path turns the wrist back
   double rate_hz{100};
-  double ambient_grey{0};    ///< of the room's light, at the head's own exposure
+  double ambient_grey{0};  ///< of the room's light, at the head's own exposure
+  HeadLight light{};
   CheckLap check{};          ///< the scan's ends overlap, differently held
   bool surroundings{false};  ///< table, plate and pins; else the shoe hangs in the dark
   MeshFineness fineness{};

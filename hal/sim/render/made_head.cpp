@@ -38,6 +38,13 @@ SE3 T_flange_cam_on_bracket(const Vec3& beam_cam, const Vec3& working_point_cam)
 
 }  // namespace
 
+void set_light(MadeHead& head, const HeadLight& light) {
+  head.optics.f_number = light.f_number;
+  head.optics.wavelength_nm = light.wavelength_nm;
+  head.laser.line_width_nm = light.line_width_nm;
+  head.laser.coherent = light.coherent;
+}
+
 MadeHead draw_head(std::uint64_t seed, Holder holder) {
   Random random(seed ^ 0x48454144ULL);
   MadeHead head;
@@ -61,6 +68,8 @@ MadeHead draw_head(std::uint64_t seed, Holder holder) {
   const Vec3 normal_cam = R_tilt * Vec3(0, std::sin(angle_rad), -std::cos(angle_rad));
   const Vec3 beam_cam = R_tilt * Vec3(0, std::cos(angle_rad), std::sin(angle_rad));
   head.model.laser_plane = {.normal_cam = normal_cam, .distance_mm = normal_cam.dot(working_point)};
+  constexpr double k_focal_mm = 12;
+  head.optics.magnification = k_focal_mm / (head.working_distance_mm - k_focal_mm);
   constexpr double k_emitter_distance_mm = 190;
   head.laser.beam_cam = beam_cam;
   head.laser.emitter_cam = working_point - k_emitter_distance_mm * beam_cam;

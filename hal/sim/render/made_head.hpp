@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "common/geometry/sensor_model.hpp"
+#include "common/optics/speckle.hpp"
 
 namespace biteline::sim {
 
@@ -16,6 +17,8 @@ struct LaserLight {
   /// Grey levels of the stripe's middle on a white (ratio 1) surface lit and seen head on at the working
   /// distance.
   double full_grey{380};
+  double line_width_nm{0.5};  ///< of its spectrum, full width at half height
+  bool coherent{true};        ///< false: a lamp behind a slit, whose light has no speckle
 };
 
 struct CameraFaults {
@@ -23,8 +26,7 @@ struct CameraFaults {
   double electrons_per_grey{40};  ///< full well of about 10 000 over 255 levels
   double read_noise_grey{0.5};
   double black_grey{0};
-  double ambient_grey{0};      ///< at the nominal exposure
-  double speckle_ratio{0.08};  ///< contrast after averaging over the pixel
+  double ambient_grey{0};  ///< at the nominal exposure
 };
 
 /// How the head hangs on the flange.
@@ -41,9 +43,19 @@ struct MadeHead {
   int sensor_width_px{1626};
   int sensor_height_px{1236};
   LaserLight laser;
+  optics::SpeckleOptics optics;  ///< lens, pixel and the laser's wavelength; brightness does not follow them
   CameraFaults faults;
   double working_distance_mm{200};  ///< from the camera to the stripe, along its axis
 };
+
+/// What may be chosen of a head's light.  The stripe is as bright with any of it: laser and exposure follow.
+struct HeadLight {
+  double f_number{optics::SpeckleOptics{}.f_number};
+  double wavelength_nm{optics::SpeckleOptics{}.wavelength_nm};
+  double line_width_nm{LaserLight{}.line_width_nm};
+  bool coherent{true};
+};
+void set_light(MadeHead& head, const HeadLight& light);
 
 /// A head of the published build (1626 x 1236 pixels, laser and camera axis at 45 degrees), its measures
 /// varied by seed as one built head differs from the next.

@@ -25,21 +25,20 @@ constexpr double k_reach_sigma = 4;
 /// A glossy place gives back this share of what a matt one would, and mirrors that share.
 constexpr double k_gloss_diffuse_ratio = 0.02;
 constexpr double k_gloss_mirror_ratio = 0.35;
-/// A pixel's speckle is another one when the surface has moved by about what the pixel sees of it.
-constexpr double k_speckle_grain_mm = 0.07;
+/// Places within the exposure that are looked at, and how far apart in the picture.
+constexpr int k_most_places = 32;
+constexpr double k_place_step_px = 0.5;
+/// Light that wanders inside by a millimetre, across, has gone this much farther than light that did not;
+/// judged.
+constexpr double k_way_per_scattering = 2;
+/// A mirrored stripe lies in another part of the field.
+constexpr int k_mirrored_columns = 137, k_mirrored_rows = 91;
 
 /// SplitMix64's last step: neighbouring numbers give unrelated ones.
 std::uint64_t mixed(std::uint64_t bits) {
   bits = (bits ^ (bits >> 30U)) * 0xBF58476D1CE4E5B9ULL;
   bits = (bits ^ (bits >> 27U)) * 0x94D049BB133111EBULL;
   return bits ^ (bits >> 31U);
-}
-
-std::uint64_t grain_at(const Vec3& point_scene) {
-  std::uint64_t grain = 0;
-  for (const double coordinate_mm : point_scene)
-    grain = mixed(grain + static_cast<std::uint64_t>(std::llround(coordinate_mm / k_speckle_grain_mm)));
-  return grain;
 }
 
 /// Embree's vector lanes divide by zero on triangles parallel to a ray and throw the result away; the flags
@@ -66,6 +65,7 @@ StripeRenderer::StripeRenderer(const Scene& scene, const MadeHead& head) : scene
     const double tangent = reach * (2.0 * i / (k_fan_rays - 1) - 1);
     fan_cam_.push_back((head.laser.beam_cam + tangent * across_cam).normalized());
   }
+  if (head.laser.coherent) speckle_ = SpeckleField::of(head.optics);
   Random random(12345);  // the same table for every head: pictures differ by where they begin in it
   for (std::size_t i = 0; i < k_gaussians; ++i) gaussians_.push_back(static_cast<float>(random.gaussian()));
 }
@@ -77,6 +77,7 @@ void StripeRenderer::render(const Shot& shot, std::span<std::uint8_t> pixels,
   if (truth != nullptr) truth->clear();
   prepare(shot);
   if (shot.laser_on) {
+    lay_speckle(shot);
     trace(shot);
     draw_curve(curve_, false, shot, truth);
     draw_curve(mirror_curve_, true, shot, truth);
@@ -145,6 +146,7 @@ StripeRenderer::CurvePoint StripeRenderer::look_at(const Vec3& point_scene, cons
   seen.amplitude_grey = head_.laser.full_grey * shot.exposure_ratio * light_ratio * diffuse_ratio *
                         cosine_light * (nominal_mm / distance_mm) * (sheet_px / seen.sigma_px);
   const Vec3 light_cam = shot.T_scene_cam.linear().transpose() * light_direction;
+  seen.grains = grains_of(hit.look);
   seen.smeared_px = smeared_px(point_cam, normal_cam, light_cam, shot);
   seen.seen = true;
   return seen;
@@ -215,20 +217,70 @@ void StripeRenderer::draw_curve(const std::vector<CurvePoint>& curve, bool mirro
         stripe.sigma_px = std::hypot(still_px, smear_px / std::sqrt(12.0));
         stripe.amplitude_grey *= still_px / stripe.sigma_px;
       }
-      const Vec3 point_scene = a.point_scene + part * (b.point_scene - a.point_scene);
-      draw(stripe, shot.speckle_stays_put ? grain_at(point_scene) : 0, shot);
+      draw(stripe, a.grains, shot);
       if (truth != nullptr) truth->push_back(stripe);
     }
   }
 }
 
-double StripeRenderer::speckle_ratio(const Shot& shot) const {
-  if (!shot.speckle_stays_put) return head_.faults.speckle_ratio;
-  // So many patterns follow each other within the exposure and average.
-  return head_.faults.speckle_ratio / std::sqrt(1 + shot.moved_cam_mm.norm() / k_speckle_grain_mm);
+StripeRenderer::Grains StripeRenderer::grains_of(const SurfaceLook& look) const {
+  // What is mirrored was scattered once, at the surface.
+  const double polarised_ratio = look.glossy ? 1 : look.polarised_ratio;
+  const double spread_mm =
+      std::hypot(2 * look.roughness_mm, look.glossy ? 0 : k_way_per_scattering * look.scattering_mm);
+  return {.along_ratio = static_cast<float>(0.5 * (1 + polarised_ratio)),
+          .contrast_ratio = static_cast<float>(optics::spectral_contrast(
+              head_.optics, {.spread_mm = spread_mm, .line_width_nm = head_.laser.line_width_nm}))};
 }
 
-void StripeRenderer::draw(const TrueStripePoint& stripe, std::uint64_t place, const Shot& shot) {
+void StripeRenderer::lay_speckle(const Shot& shot) {
+  if (!speckle_) return;
+  const double px_per_mm = head_.model.camera.fu_px / head_.working_distance_mm;
+  const Vec3 middle_cam(0, 0, head_.working_distance_mm);
+  std::uint64_t pattern = mixed(shot.noise_seed + 1);
+  Vec2 place_px(shot.region.offset_u_px, shot.region.offset_v_px);
+  if (shot.speckle_stays_put) {
+    const double turn_rad = 2 * optics::aperture_sine(head_.optics);
+    Vec3 turned = geometry::log_so3(shot.T_scene_cam.linear()) / turn_rad;
+    pattern = 0;
+    for (double& steps : turned) {
+      steps = std::round(steps);
+      pattern = mixed(pattern + static_cast<std::uint64_t>(static_cast<std::int64_t>(steps)) + 1);
+    }
+    const Mat3 R_scene_cam = geometry::exp_so3(turn_rad * turned);
+    const Vec3 middle_scene = shot.T_scene_cam * middle_cam;
+    place_px += px_per_mm * (R_scene_cam.transpose() * middle_scene).head<2>();
+  }
+  const Vec2 way_px = px_per_mm * (shot.moved_cam_mm + shot.turned_cam_rad.cross(middle_cam)).head<2>();
+  const int count =
+      std::clamp(static_cast<int>(std::ceil(way_px.norm() / k_place_step_px)), 1, k_most_places);
+  speckle_places_.clear();
+  for (int i = 0; i < count; ++i) {
+    const Vec2 half_px = 2 * (place_px + ((i + 0.5) / count - 0.5) * way_px);
+    speckle_places_.push_back(
+        {.column_half_px = static_cast<int>(std::lround(half_px.x())) +
+                           static_cast<int>(pattern % (2 * SpeckleField::k_columns)),
+         .row_half_px = static_cast<int>(std::lround(half_px.y())) +
+                        static_cast<int>((pattern >> 32U) % (2 * SpeckleField::k_rows))});
+  }
+}
+
+void StripeRenderer::read_speckle(const SpeckleField::Pixel& pixel, bool mirrored, const Grains& grains) {
+  SpeckleField::Pixel from = pixel;
+  if (mirrored) {
+    from.column += k_mirrored_columns;
+    from.first_row += k_mirrored_rows;
+  }
+  column_grains_.assign(grey_ratio_.size(), {});
+  for (const SpeckleField::Place& place : speckle_places_) speckle_->add(place, from, column_grains_);
+  const float share = grains.contrast_ratio / static_cast<float>(speckle_places_.size());
+  const float along = share * grains.along_ratio, across = share * (1 - grains.along_ratio);
+  for (std::size_t i = 0; i < grey_ratio_.size(); ++i)
+    grey_ratio_[i] =
+        1 - grains.contrast_ratio + along * column_grains_[i].along + across * column_grains_[i].across;
+}
+
+void StripeRenderer::draw(const TrueStripePoint& stripe, const Grains& grains, const Shot& shot) {
   const double reach = k_reach_sigma * stripe.sigma_px;
   const int low = std::max(0, static_cast<int>(std::ceil(stripe.row_px - reach)));
   const int high = std::min(shot.region.height_px - 1, static_cast<int>(std::floor(stripe.row_px + reach)));
@@ -241,16 +293,11 @@ void StripeRenderer::draw(const TrueStripePoint& stripe, std::uint64_t place, co
   double factor = std::exp(-(begin + 0.5) * inverse);
   const double change = std::exp(-inverse);
   const auto width = static_cast<std::size_t>(shot.region.width_px);
-  const double speckle = shot.speckle_stays_put ? speckle_ratio(shot) : 0;
-  const long middle = std::lround(stripe.row_px);
+  grey_ratio_.assign(static_cast<std::size_t>(high - low + 1), 1.0F);
+  if (speckle_) read_speckle({.column = stripe.column_px, .first_row = low}, stripe.mirrored, grains);
   for (int row = low; row <= high; ++row) {
-    double light = value;
-    if (speckle > 0) {
-      const std::uint64_t bits = mixed(place + static_cast<std::uint64_t>(row - middle));
-      light *= std::max(0.0, 1 + speckle * gaussians_[bits % k_gaussians]);
-    }
     light_[static_cast<std::size_t>(row) * width + static_cast<std::size_t>(stripe.column_px)] +=
-        static_cast<float>(light);
+        static_cast<float>(value) * grey_ratio_[static_cast<std::size_t>(row - low)];
     value *= factor;
     factor *= change;
   }
@@ -267,7 +314,6 @@ void StripeRenderer::develop(const Shot& shot, std::span<std::uint8_t> pixels) {
                 pixels.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(row) * width));
   }
   const CameraFaults& faults = head_.faults;
-  const double speckle_anew = shot.speckle_stays_put ? 0 : faults.speckle_ratio;
   for (const Range& range : touched_) {
     for (int row = range.low; row <= range.high; ++row) {
       const std::size_t index =
@@ -276,10 +322,9 @@ void StripeRenderer::develop(const Shot& shot, std::span<std::uint8_t> pixels) {
       if (light <= 0) continue;  // already developed: two stripes overlapped here
       light_[index] = 0;
       const std::uint64_t bits = random.next();
-      const double speckle = std::max(0.0, 1 + speckle_anew * gaussians_[bits % k_gaussians]);
-      const double level = background_grey_ + light * speckle;
+      const double level = background_grey_ + light;
       const double sigma = std::hypot(faults.read_noise_grey, std::sqrt(level / faults.electrons_per_grey));
-      const double noisy = level + sigma * gaussians_[(bits >> 16U) % k_gaussians];
+      const double noisy = level + sigma * gaussians_[bits % k_gaussians];
       pixels[index] = static_cast<std::uint8_t>(std::clamp(std::lround(noisy), 0L, 255L));
     }
   }

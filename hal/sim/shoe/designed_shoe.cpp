@@ -64,18 +64,28 @@ void paint(ShoeParameters& shoe, Random random) {
 Material foam(Random& random) {
   return {.diffuse_ratio = random.uniform({0.6, 0.95}),
           .grain_ratio = 0.03,
-          .scattering_mm = random.uniform({0.05, 0.12})};
+          .scattering_mm = random.uniform({0.05, 0.12}),
+          .roughness_mm = 0.03};
 }
 Material rubber(Random& random) {
-  return {.diffuse_ratio = random.uniform({0.2, 0.8}), .grain_ratio = 0.05, .scattering_mm = 0.02};
+  return {.diffuse_ratio = random.uniform({0.2, 0.8}),
+          .grain_ratio = 0.05,
+          .scattering_mm = 0.02,
+          .roughness_mm = 0.005,
+          .polarised_ratio = 0.3};
 }
 Material leather(Random& random) {
-  return {.diffuse_ratio = random.uniform({0.25, 0.8}), .grain_ratio = 0.1, .scattering_mm = 0.03};
+  return {.diffuse_ratio = random.uniform({0.25, 0.8}),
+          .grain_ratio = 0.1,
+          .scattering_mm = 0.03,
+          .roughness_mm = 0.015,
+          .polarised_ratio = 0.2};
 }
 Material cloth(Random& random) {
   return {.diffuse_ratio = random.uniform({0.3, 0.85}),
           .grain_ratio = 0.25,
-          .scattering_mm = random.uniform({0.04, 0.08})};
+          .scattering_mm = random.uniform({0.04, 0.08}),
+          .roughness_mm = 0.06};
 }
 
 OutlineShape draw_foot(Random random) {

@@ -371,8 +371,11 @@ SurfaceLook Section::look(double z_mm) const {
   const double u_mm = z_mm - line_height_mm_;
   const bool on_sole = !p.bare && u_mm < p.groove.lip_u_mm;
   const Material& material = material_at(on_sole, u_mm + guard_rise_mm_);
-  SurfaceLook look{
-      .diffuse_ratio = material.diffuse_ratio, .glossy = false, .scattering_mm = material.scattering_mm};
+  SurfaceLook look{.diffuse_ratio = material.diffuse_ratio,
+                   .glossy = false,
+                   .scattering_mm = material.scattering_mm,
+                   .roughness_mm = material.roughness_mm,
+                   .polarised_ratio = material.polarised_ratio};
   if (material.grain_ratio > 0)
     look.diffuse_ratio *= std::max(0.1, 1 + material.grain_ratio * grain(s_mm_, z_mm));
   for (const auto& patch : p.gloss) {

@@ -16,7 +16,9 @@ namespace biteline::sim {
 struct SurfaceLook {
   double diffuse_ratio{0.6};
   bool glossy{false};
-  double scattering_mm{0};  ///< light that wanders inside widens the stripe, standard deviation
+  double scattering_mm{0};    ///< light that wanders inside widens the stripe, standard deviation
+  double roughness_mm{0.01};  ///< of the surface within the lens's resolution, standard deviation
+  double polarised_ratio{0};  ///< share of the laser's polarisation that comes back
 };
 
 class MadeShoe;

@@ -120,6 +120,8 @@ struct Material {
   double diffuse_ratio{0.6};  ///< share of light given back
   double grain_ratio{0};      ///< how much that differs from place to place, standard deviation
   double scattering_mm{0};    ///< light that wanders inside widens the stripe, standard deviation
+  double roughness_mm{0.01};  ///< within what the lens resolves, standard deviation: for speckle
+  double polarised_ratio{0};  ///< share of the laser's polarisation that comes back: for speckle
 };
 
 /// A part of the surface that stands out, or lies back, along the outline: ledges, grooves, tapes, ribs.

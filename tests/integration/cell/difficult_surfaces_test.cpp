@@ -73,23 +73,31 @@ struct ColumnTruth {
 TEST_GROUP(DifficultSurfaces) {
   MadeHead head = draw_head(3);
   Scene scene = *Scene::build(black_and_glossy(4.0F));
-  StripeRenderer renderer{scene, head};
+  std::unique_ptr<StripeRenderer> renderer;
   std::vector<std::uint8_t> pixels;
   std::vector<TrueStripePoint> drawn;
   std::unique_ptr<profile::ProfileBuffer> profile = std::make_unique<profile::ProfileBuffer>();
   std::uint64_t frames{0};
-  static constexpr double k_right_px = 0.5;  ///< five standard deviations of the weakest stripe
+  double right_px{0};
   static constexpr double k_mirror_px =
       3.0;  ///< as near to a mirror image, and farther from the stripe: is one
+
+  /// A lamp's weakest stripe is right within 0.5 px, five standard deviations; a laser's within four of a
+  /// glossy place's speckle at f/5.6, which keeps the polarisation: 0.4 px.
+  void light_by(bool coherent) {
+    head.laser.coherent = coherent;
+    right_px = coherent ? 1.6 : 0.5;
+    renderer = std::make_unique<StripeRenderer>(scene, head);
+  }
 
   hal::FrameView frame(double tilt_rad, double exposure_ratio, std::uint32_t flags) {
     const geometry::Region& region = head.model.region;
     pixels.resize(static_cast<std::size_t>(region.width_px) * static_cast<std::size_t>(region.height_px));
-    renderer.render({.T_scene_cam = T_scene_cam(head, tilt_rad),
-                     .region = region,
-                     .exposure_ratio = exposure_ratio,
-                     .noise_seed = ++frames},
-                    pixels, &drawn);
+    renderer->render({.T_scene_cam = T_scene_cam(head, tilt_rad),
+                      .region = region,
+                      .exposure_ratio = exposure_ratio,
+                      .noise_seed = ++frames},
+                     pixels, &drawn);
     return {
         .pixels = pixels,
         .width_px = region.width_px,
@@ -124,14 +132,14 @@ TEST_GROUP(DifficultSurfaces) {
       const double row_px = static_cast<double>(point.row_px) - head.model.region.offset_v_px;
       const bool surface = (point.flags & profile::k_point_not_surface) == 0;
       const double from_stripe_px = column.row_px ? std::fabs(row_px - *column.row_px) : 1e9;
-      if (surface && from_stripe_px < k_right_px) found.right[point.column] = true;
+      if (surface && from_stripe_px < right_px) found.right[point.column] = true;
       const bool mirror =
           std::any_of(column.mirrored_px.begin(), column.mirrored_px.end(), [&](double mirrored_px) {
             return std::fabs(row_px - mirrored_px) < k_mirror_px &&
                    std::fabs(row_px - mirrored_px) < from_stripe_px;
           });
       found.mirror_images += mirror ? 1U : 0U;
-      found.mirror_images_unflagged += mirror && surface && from_stripe_px > k_right_px ? 1U : 0U;
+      found.mirror_images_unflagged += mirror && surface && from_stripe_px > right_px ? 1U : 0U;
     }
     return found;
   }
@@ -141,43 +149,65 @@ TEST_GROUP(DifficultSurfaces) {
     SUCCEEDS(made);
     return std::move(*made);
   }
+
+  struct Bracketed {
+    std::size_t ideal{0}, merged{0}, mirror_images{0}, unflagged{0}, mirrored_columns{0};
+  };
+  Bracketed bracketed() {
+    constexpr double k_short = 1, k_long = 16;
+    auto bracket = pipeline(true);
+    Bracketed sum;
+    for (const double tilt_rad : {-0.4, -0.35, -0.3, -0.25, -0.2, -0.15, -0.1}) {
+      CHECK(!bracket.rt_process(frame(tilt_rad, k_short, 0), *profile));
+      CHECK(bracket.rt_process(frame(tilt_rad, k_long, hal::k_frame_second_exposure), *profile));
+      const std::vector<ColumnTruth> columns = truth();
+      const Found found = judge(columns);
+      sum.merged += static_cast<std::size_t>(std::count(found.right.begin(), found.right.end(), true));
+      sum.mirror_images += found.mirror_images;
+      sum.unflagged += found.mirror_images_unflagged;
+      sum.mirrored_columns += found.mirrored_columns;
+
+      // The best of many exposures for each part by itself.
+      const std::size_t third = columns.size() / 3;
+      std::array<std::size_t, 3> best{};
+      for (const double exposure_ratio : {0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0}) {
+        auto alone = pipeline(false);
+        CHECK(alone.rt_process(frame(tilt_rad, exposure_ratio, 0), *profile));
+        const Found one = judge(truth());
+        for (std::size_t part = 0; part < 3; ++part) {
+          const auto first = one.right.begin() + static_cast<std::ptrdiff_t>(part * third);
+          const auto end = part == 2 ? one.right.end() : first + static_cast<std::ptrdiff_t>(third);
+          best[part] = std::max(best[part], static_cast<std::size_t>(std::count(first, end, true)));
+        }
+      }
+      sum.ideal += best[0] + best[1] + best[2];
+    }
+    return sum;
+  }
+  static void check_found(const Bracketed& found) {
+    CHECK(found.ideal > 7 * 1000);
+    CHECK_TEXT(static_cast<double>(found.merged) >= 0.95 * static_cast<double>(found.ideal),
+               StringFromFormat("%zu of %zu", found.merged, found.ideal).asCharString());
+    CHECK(found.mirrored_columns > 2000);
+    CHECK(found.mirror_images > 1000);
+  }
 };
 
 TIMED_TEST(DifficultSurfaces, BracketFindsWhatTheBestExposureOfEachHalfWouldAndNoMirrorImage) {
-  constexpr double k_short = 1, k_long = 16;
-  auto bracket = pipeline(true);
-  std::size_t ideal = 0, merged = 0, mirror_images = 0, unflagged = 0, mirrored_columns = 0;
-  for (const double tilt_rad : {-0.4, -0.35, -0.3, -0.25, -0.2, -0.15, -0.1}) {
-    CHECK(!bracket.rt_process(frame(tilt_rad, k_short, 0), *profile));
-    CHECK(bracket.rt_process(frame(tilt_rad, k_long, hal::k_frame_second_exposure), *profile));
-    const std::vector<ColumnTruth> columns = truth();
-    const Found found = judge(columns);
-    merged += static_cast<std::size_t>(std::count(found.right.begin(), found.right.end(), true));
-    mirror_images += found.mirror_images;
-    unflagged += found.mirror_images_unflagged;
-    mirrored_columns += found.mirrored_columns;
+  light_by(false);
+  const Bracketed found = bracketed();
+  check_found(found);
+  LONGS_EQUAL(0, found.unflagged);
+}
 
-    // The best of many exposures for each part by itself.
-    const std::size_t third = columns.size() / 3;
-    std::array<std::size_t, 3> best{};
-    for (const double exposure_ratio : {0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0}) {
-      auto alone = pipeline(false);
-      CHECK(alone.rt_process(frame(tilt_rad, exposure_ratio, 0), *profile));
-      const Found one = judge(truth());
-      for (std::size_t part = 0; part < 3; ++part) {
-        const auto first = one.right.begin() + static_cast<std::ptrdiff_t>(part * third);
-        const auto end = part == 2 ? one.right.end() : first + static_cast<std::ptrdiff_t>(third);
-        best[part] = std::max(best[part], static_cast<std::size_t>(std::count(first, end, true)));
-      }
-    }
-    ideal += best[0] + best[1] + best[2];
-  }
-  CHECK(ideal > 7 * 1000);
-  CHECK_TEXT(merged >= 0.95 * static_cast<double>(ideal),
-             StringFromFormat("%zu of %zu", merged, ideal).asCharString());
-  CHECK(mirrored_columns > 2000);
-  CHECK(mirror_images > 1000);
-  LONGS_EQUAL(0, unflagged);
+TIMED_TEST(DifficultSurfaces, ALasersSpeckleLeavesTheBracketWhatItFinds) {
+  light_by(true);
+  const Bracketed found = bracketed();
+  check_found(found);
+  // Here and there the glossy place's own speckled stripe is flagged in the long exposure, and the short
+  // one's mirror image stands in its column: 6 % of the mirror images at f/5.6.
+  CHECK_TEXT(static_cast<double>(found.unflagged) < 0.08 * static_cast<double>(found.mirror_images),
+             StringFromFormat("%zu of %zu", found.unflagged, found.mirror_images).asCharString());
 }
 
 }  // namespace biteline::sim
