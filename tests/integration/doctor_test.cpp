@@ -124,6 +124,26 @@ TEST(Doctor, AsksTheRobotOnlyWhereItIsTold) {
     CHECK(ability["what"].get<std::string>() != "send paths to this robot");
 }
 
+TEST(Doctor, TellsTheNoiseOfAHeadAndWhatWouldLowerIt) {
+  const auto choices_of = [](std::vector<std::string> more) {
+    more.insert(more.begin(), "--light");
+    return doctor(more)["choices"];
+  };
+  const json stopped_down = choices_of({"--f-number", "8"}), open = choices_of({"--f-number", "4"});
+  CHECK(stopped_down[0]["limit"].get<std::string>() == "speckle");
+  CHECK(stopped_down[0]["noise_mm"].get<double>() > 1.5 * open[0]["noise_mm"].get<double>());
+  // What stands among the choices of one head is what the other one has, its exposure apart.
+  const auto same = std::find_if(stopped_down.begin(), stopped_down.end(),
+                                 [](const json& choice) { return choice["f_number"].get<double>() == 4; });
+  CHECK(same != stopped_down.end());
+  DOUBLES_EQUAL(100, (*same)["exposure_us"].get<double>(), 1e-6);
+  DOUBLES_EQUAL(open[0]["contrast_at_rest"].get<double>(), (*same)["contrast_at_rest"].get<double>(), 1e-9);
+  const std::string told = say({"doctor", "--light", "--speed-mm-s", "250"}).out;
+  STRCMP_CONTAINS("the laser's speckle limits a point", told.c_str());
+  STRCMP_CONTAINS("f/2.8, same brightness", told.c_str());
+  STRCMP_CONTAINS("--light", say({"doctor", "--f-number", "4"}).last_error.c_str());
+}
+
 TEST(Doctor, MistypedWordsAreAnsweredByTheNearestOne) {
   STRCMP_CONTAINS("did you mean --out?", say({"extract", "cloud.ply", "--ot", "x"}).last_error.c_str());
   STRCMP_CONTAINS("did you mean --board?", say({"doctor", "--bord=x"}).last_error.c_str());

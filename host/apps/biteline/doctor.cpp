@@ -21,6 +21,7 @@
 
 #include "host/apps/biteline/command.hpp"
 #include "host/apps/biteline/doctor_abilities.hpp"
+#include "host/apps/biteline/doctor_light.hpp"
 #include "host/intake/child_process.hpp"
 #include "host/intake/sensor_process.hpp"
 #include "host/records/report/json_text.hpp"
@@ -246,7 +247,20 @@ void add_doctor(options::Command& app, Context& context) {
   auto robot = std::make_shared<std::string>();
   command->add_option("--robot", *robot,
                       "Ask the arm's controller, too: HOST, or HOST:PORT of its dashboard");
-  command->callback([board, robot, &context] {
+  auto light = std::make_shared<LightQuestion>();
+  add_light_options(*command, *light);
+  command->callback([board, robot, light, &context] {
+    if (light->asked) {
+      context.run = [light, &context]() -> Result<ExitStatus> {
+        const std::vector<LightChoice> choices = light_choices(light->light);
+        if (context.options.json)
+          std::printf("%s\n", report::to_text(light_json(choices)).c_str());
+        else
+          print_light(choices);
+        return ExitStatus::Done;
+      };
+      return;
+    }
     context.run = [board, robot, &context]() -> Result<ExitStatus> {
       std::vector<Finding> findings = examine();
       if (!board->empty()) {
