@@ -271,6 +271,7 @@ TEST(FollowEndings, ProgramThatDoesNotLeaveWholeIsStopped) {
     Result<RobotState> wait_newer(std::uint64_t, Nanoseconds) const override { return state(); }
     Result<void> send(const PermittedPath&) override { return fail(Errc::ConnectionLost, "script: sending"); }
     bool may_run() const override { return begun; }
+    [[nodiscard]] bool has_dead_man() const override { return false; }
     Result<void> stop() override {
       ++stops;
       return {};

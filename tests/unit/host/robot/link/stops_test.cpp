@@ -46,6 +46,7 @@ struct RecordingLink final : RobotLink {
     if (stop_after_send) stops->stop();
     return {};
   }
+  [[nodiscard]] bool has_dead_man() const override { return false; }
   Result<void> stop() override {
     stopped = scripts;
     return {};
