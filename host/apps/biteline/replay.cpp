@@ -155,11 +155,6 @@ Result<ExitStatus> replay(ReplayOptions options, const GlobalOptions& global) {
 
   const bool state_compared = run.sensor.camera_state.told();
   report.fields["picture_check"] = consistency::as_json(pictures, state_compared);
-  if (consistency::vouched_by(pictures, state_compared) == consistency::VouchedBy::Nobody && !global.quiet) {
-    std::fprintf(stderr,
-                 "biteline: nobody vouches for the pictures' place: no camera state was recorded; %s\n",
-                 pictures.words.c_str());
-  }
   report.fields["input"] = input_name;
   report.fields["scan"] = intake::account_of(run.counts, run.sensor_counters, run.sensor_stages);
   report.fields["frames_per_s"] =
@@ -169,6 +164,13 @@ Result<ExitStatus> replay(ReplayOptions options, const GlobalOptions& global) {
     return tell(report, global, "refused: " + refusal->reason);
   }
   BITELINE_TRY(results::write_line_result(options.out, run.cloud, found.extraction, found.stages, report));
+  // A sure line may lie beside the shoe then; one that is refused has its own reason.
+  if (consistency::vouched_by(pictures, state_compared) == consistency::VouchedBy::Nobody &&
+      found.extraction.found && !global.quiet) {
+    std::fprintf(stderr,
+                 "biteline: nobody vouches for the pictures' place: no camera state was recorded; %s\n",
+                 pictures.words.c_str());
+  }
   return tell(report, global, results::summary(found.extraction));
 }
 
