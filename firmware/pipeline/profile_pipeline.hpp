@@ -33,9 +33,9 @@ struct ExposedStripe;
 ///
 /// Frames flagged k_frame_laser_off make no profile: they are kept and taken off the lit frames that follow
 /// soon.  With Config::bracketing two frames, the second flagged k_frame_second_exposure, make one profile:
-/// per column the longer exposure's point unless it is saturated there (black leather beside white foam),
-/// flagged k_point_second_exposure and carried to the first exposure's instant by the arm's own motion in
-/// rt_stamp.
+/// per column the longer exposure's point unless it is flagged or saturated there (black leather beside white
+/// foam) and did not take the shorter one's for a mirror image; flagged k_point_second_exposure and carried
+/// to the first exposure's instant by the arm's own motion in rt_stamp.
 ///
 /// Thread: rt_process keeps state from frame to frame and belongs to one thread; rt_pose_ready and rt_stamp
 /// are const and may run on another one.  RT: rt_ members.  Memory: all sized in create(), some megabytes.

@@ -109,8 +109,21 @@ class PointWriter {
   ProfileBuffer& out_;
 };
 
-/// Per column the exposure whose peak says more: the longer one, unless it is saturated there and the shorter
-/// one is not.
+/// True where the longer exposure saw the shorter one's peak, too, and took it for a mirror image: that peak
+/// is nearer to the one it did not choose.  No limit is needed: two peaks of a column are many times farther
+/// apart than their standard deviations, and mostly than a stripe goes from one exposure to the next.
+bool second_rejects(const ExposedStripe& first, const ExposedStripe& second, std::size_t column) {
+  const stripe::Selected& selected = second.selection.columns[column];
+  const stripe::ColumnPeaks& peaks = second.peaks.columns[column];
+  if (peaks.kept_count < 2 || (selected.flags & stripe::k_selection_reflection) != 0) return false;
+  const float row_px = chosen_peak(first, column).row_px;
+  const stripe::Peak& rejected = peaks.kept[selected.kept_index == 0 ? 1 : 0];
+  return std::fabs(row_px - rejected.row_px) < std::fabs(row_px - chosen_peak(second, column).row_px);
+}
+
+/// Per column the exposure whose peak says more: the longer one, unless it is flagged or saturated there and
+/// the shorter one is not.  But what an edge or a step of brightness has cut, or grains saturate, is the
+/// surface's all the same: where it rejects the shorter one's peak it stays, with its flag.
 bool prefers_second(const ExposedStripe& first, const ExposedStripe& second, std::size_t column) {
   if (!is_present(second, column)) return false;
   if (!is_present(first, column)) return true;
@@ -118,7 +131,9 @@ bool prefers_second(const ExposedStripe& first, const ExposedStripe& second, std
       stripe::k_selection_reflection | stripe::k_selection_edge_mixed | stripe::k_selection_brightness_step;
   const bool first_bad = first.selection.columns[column].flags & k_bad,
              second_bad = second.selection.columns[column].flags & k_bad;
-  if (first_bad != second_bad) return first_bad;
+  if (first_bad && !second_bad) return true;
+  if (second_rejects(first, second, column)) return true;
+  if (second_bad && !first_bad) return false;
   return (chosen_peak(second, column).flags & stripe::k_peak_saturated) == 0;
 }
 

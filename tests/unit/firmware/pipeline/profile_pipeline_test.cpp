@@ -277,6 +277,38 @@ TEST(ProfilePipeline, BracketShowsBlackAndGlossyInOneProfile) {
   CHECK(glossy >= 152);
 }
 
+TEST(ProfilePipeline, WhatTheLongerExposureTookForAMirrorImageIsNoPointOfTheShorterOne) {
+  // The shorter exposure sees nothing but a mirror image.  The longer one's own stripe is dim in its last two
+  // columns, as at an edge, and saturated in one column, as by a grain.
+  constexpr int k_end = 240, k_dim = k_end - 2, k_grain = 220;
+  const auto scene = [&](double exposure) {
+    auto mean = dark();
+    const auto add = [&](int from, int to, double row_px, double amplitude) {
+      MadeStripe stripe = made();
+      stripe.row_px = [=](int u) { return u >= from && u < to ? row_px : -100.0; };
+      stripe.amplitude = amplitude * exposure;
+      stripe::test::add_stripe(stripe, mean);
+    };
+    add(0, k_dim, 60, 5);
+    add(k_dim, k_end, 60, 2);
+    add(k_grain, k_grain + 1, 60, 35);
+    add(200, 300, 110, 40);
+    return stripe::test::expose(made(), mean, random);
+  };
+  ProfilePipeline sut = create({.bracketing = true});
+  CHECK(!process(sut, scene(1), 0));
+  CHECK(process(sut, scene(15), 4, hal::k_frame_second_exposure));
+  int cut = 0, saturated = 0;
+  for (const profile::ProfilePoint& point : out->view()) {
+    if (point.column >= k_end || (point.flags & profile::k_point_reflection) != 0) continue;
+    DOUBLES_EQUAL(60, row_in_region(point), 5 * k_far_px);
+    cut += (point.flags & profile::k_point_edge_mixed) != 0 && point.column >= k_dim ? 1 : 0;
+    saturated += (point.flags & profile::k_point_saturated) != 0 && point.column == k_grain ? 1 : 0;
+  }
+  LONGS_EQUAL(2, cut);
+  LONGS_EQUAL(1, saturated);
+}
+
 TEST(ProfilePipeline, BracketsSecondPointsAreCarriedToTheFirstInstant) {
   // The arm moves along the camera's x by 1 mm between the exposures: a second point seen at p stood at p - 1
   // mm.
