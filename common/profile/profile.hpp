@@ -74,6 +74,10 @@ struct ProfileHeader {
   std::uint32_t flags{0};   ///< ProfileFlag
   /// An encoder's count at exposure_mid, where one is the pose (geometry::PoseEstimate).
   std::optional<std::int64_t> encoder_ticks{};
+  /// The laser's speckle as the stripe shows it: standard deviation over mean of one pixel on its crest, the
+  /// camera's noise taken off.  Of a bracket: the longer exposure's, where it is known.  Nothing where too
+  /// few columns show it.
+  std::optional<float> speckle_contrast{};
 };
 
 /// A profile on the host: as long as it has points.

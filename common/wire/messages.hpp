@@ -20,7 +20,7 @@ namespace biteline::wire {
 /// Raised, with the reason in PROTOCOL.md, whenever an old peer would misread a message.
 inline constexpr std::uint16_t k_protocol = 1;
 /// Raised, with the reason in PROTOCOL.md, when something is added that an old peer may do without.
-inline constexpr std::uint16_t k_protocol_minor = 5;
+inline constexpr std::uint16_t k_protocol_minor = 6;
 
 /// No message is longer; sockets drop what is.  A full profile (5184 points) packs to at most 222 KB.
 inline constexpr std::size_t k_max_message_bytes = 512 * 1024;

@@ -8,6 +8,13 @@ namespace biteline::wire {
 
 using profile::ProfilePoint;
 
+namespace {
+
+/// One polarisation at rest has 1; few columns err.
+constexpr NumberRange k_contrast{.minimum = 0, .maximum = 10};
+
+}  // namespace
+
 flatbuffers::Offset<fb::Profile> pack_profile(flatbuffers::FlatBufferBuilder& fbb,
                                               const profile::ProfileHeader& header,
                                               std::span<const ProfilePoint> points) {
@@ -26,10 +33,11 @@ flatbuffers::Offset<fb::Profile> pack_profile(flatbuffers::FlatBufferBuilder& fb
   const auto peaks =
       pack_column(fbb, points, k_constant, [](const ProfilePoint& p) { return std::uint32_t{p.peak_count}; });
   const fb::Motion T_base_flange = pack_motion(header.T_base_flange);
-  return fb::CreateProfile(
-      fbb, header.sequence, header.frame_sequence, header.exposure_mid.time_since_epoch().count(),
-      &T_base_flange, header.pose_age.count(), header.flags, static_cast<std::uint32_t>(points.size()), x, y,
-      z, sigma, row, sigma_row, amplitude, width, column, flags, peaks, header.encoder_ticks);
+  return fb::CreateProfile(fbb, header.sequence, header.frame_sequence,
+                           header.exposure_mid.time_since_epoch().count(), &T_base_flange,
+                           header.pose_age.count(), header.flags, static_cast<std::uint32_t>(points.size()),
+                           x, y, z, sigma, row, sigma_row, amplitude, width, column, flags, peaks,
+                           header.encoder_ticks, header.speckle_contrast);
 }
 
 Result<profile::Profile> read_profile(const fb::Profile& table) {
@@ -45,6 +53,10 @@ Result<profile::Profile> read_profile(const fb::Profile& table) {
   profile.header.pose_age = Nanoseconds{table.pose_age_ns()};
   profile.header.flags = table.flags();
   profile.header.encoder_ticks = table.encoder_ticks();
+  profile.header.speckle_contrast = table.speckle_contrast();
+  if (profile.header.speckle_contrast &&
+      !k_contrast.holds(static_cast<double>(*profile.header.speckle_contrast)))
+    return fail(Errc::ProtocolError, "impossible speckle contrast");
 
   profile.points.resize(table.point_count());
   const std::span<ProfilePoint> points{profile.points};

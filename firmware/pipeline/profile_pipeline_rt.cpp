@@ -209,6 +209,9 @@ void ProfilePipeline::rt_make_profile(const ExposedStripe& first, const ExposedS
   out.header.flags =
       profile_flags(second != nullptr ? first.frame_flags | second->frame_flags : first.frame_flags);
   if (second != nullptr) out.header.second_exposure_after = second->exposure_mid - first.exposure_mid;
+  for (const ExposedStripe* stripe : {&first, second})
+    if (stripe != nullptr && stripe->peaks.speckle.measured)
+      out.header.speckle_contrast = stripe->peaks.speckle.contrast;
   out.count = 0;
 
   PointWriter writer{state.table, state.region.offset_v_px, out};

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "host/intake/account.hpp"
 
+#include <algorithm>
+
 namespace biteline::intake {
 namespace {
 
@@ -8,6 +10,15 @@ template <class Counts, std::size_t N>
 void add_counts(const Counts& counts, const std::array<profile::CountRow<Counts>, N>& rows,
                 nlohmann::ordered_json& account) {
   for (const profile::CountRow<Counts>& row : rows) account[row.report_name] = counts.*row.value;
+}
+
+/// Half of the values are below the first, 95 % below the second.
+nlohmann::ordered_json spread_of(std::vector<float> values) {
+  std::ranges::sort(values);
+  const auto at = [&](double share) {
+    return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1) + 0.5)];
+  };
+  return {{"median", at(0.5)}, {"p95", at(0.95)}};
 }
 
 }  // namespace
@@ -26,6 +37,7 @@ nlohmann::ordered_json account_of(const IngestCounts& counts, const wire::Counte
   account["points_of_unusable_profiles"] = counts.points_of_unusable_profiles;
   for (const auto& [name, count] : profile_flag_counts(counts)) account["profile_flags"][name] = count;
   for (const auto& [name, count] : point_flag_counts(counts)) account["point_flags"][name] = count;
+  if (!counts.speckle_contrasts.empty()) account["speckle_contrast"] = spread_of(counts.speckle_contrasts);
   for (const wire::StageTime& stage : sensor_stages) {
     constexpr double k_ms_per_ns = 1e-6;
     account["sensor_stages_ms"][stage.name] = {

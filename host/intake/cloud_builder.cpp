@@ -79,6 +79,11 @@ void count_stripe(std::span<const profile::ProfilePoint> points, IngestCounts& c
   if (n > 1 && vv - v * v / n > uu - u * u / n) ++counts.profiles_along_columns;
 }
 
+void count_used(const profile::ProfileHeader& header, IngestCounts& counts) {
+  ++counts.profiles_used;
+  if (header.speckle_contrast) counts.speckle_contrasts.push_back(*header.speckle_contrast);
+}
+
 }  // namespace
 
 std::vector<std::pair<std::string, std::uint64_t>> profile_flag_counts(const IngestCounts& counts) {
@@ -98,7 +103,7 @@ void count_profile(const profile::Profile& profile, int columns, IngestCounts& c
   if ((header.flags & profile::k_profile_not_usable) != 0)
     counts.points_of_unusable_profiles += profile.points.size();
   else
-    ++counts.profiles_used;
+    count_used(header, counts);
   if ((header.flags & profile::k_profile_pose_stale) != 0)
     counts.pose_age_max_s =
         std::max(counts.pose_age_max_s, 1e-9 * std::abs(static_cast<double>(header.pose_age.count())));

@@ -31,6 +31,7 @@ struct IngestCounts {
   std::uint64_t columns_with_stripe{0};     ///< of these: with a point
   std::uint64_t profiles_along_columns{0};  ///< whose points lie along the columns rather than across them
   double pose_age_max_s{0};                 ///< from a stale profile's exposure to its nearest pose
+  std::vector<float> speckle_contrasts{};   ///< of the profiles that were used and tell it
   std::array<std::uint64_t, 32> profiles_by_flag{};  ///< index: bit of ProfileFlag
   std::array<std::uint64_t, 16> points_by_flag{};    ///< index: bit of PointFlag
 };

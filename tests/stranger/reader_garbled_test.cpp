@@ -34,7 +34,7 @@ TEST(UsersReader, HasEveryBitOfAProfile) {
   hello.model.T_flange_cam.translation() = Vec3{1, 2, 3};
   const wire::Bytes first = encoded(hello);
   CHECK(decoder.read(first.data(), first.size()).has_value());
-  const profile::Profile made = test::made_profile(4, 700);
+  const profile::Profile made = test::made_profile(6, 700);
   const wire::Bytes bytes = encoded(made);
   const auto read = decoder.read(bytes.data(), bytes.size());
   CHECK(read && read->profile);
@@ -44,6 +44,7 @@ TEST(UsersReader, HasEveryBitOfAProfile) {
   LONGS_EQUAL(made.header.exposure_mid.time_since_epoch().count(), profile.exposure_mid_ns);
   DOUBLES_EQUAL(3, profile.T_flange_cam[11], 0);
   CHECK(made.header.encoder_ticks && profile.encoder_ticks == made.header.encoder_ticks);
+  CHECK(made.header.speckle_contrast && profile.speckle_contrast == made.header.speckle_contrast);
   LONGS_EQUAL(made.points.size(), profile.x.size());
   for (int i = 0; i < 12; ++i) {
     const SE3& flange = made.header.T_base_flange;
@@ -63,7 +64,7 @@ TEST(UsersReader, HasEveryBitOfAProfile) {
 TEST(UsersReader, AnEncodersCountIsAbsentWhereNoneIsThePose) {
   const wire::Bytes bytes = encoded(test::made_profile(5, 3));
   const auto read = decoder.read(bytes.data(), bytes.size());
-  CHECK(read && read->profile && !read->profile->encoder_ticks);
+  CHECK(read && read->profile && !read->profile->encoder_ticks && !read->profile->speckle_contrast);
 }
 
 TEST(UsersReader, SaysWhatTheSensorUnderstands) {

@@ -24,6 +24,7 @@ inline profile::Profile made_profile(std::uint64_t sequence, std::size_t points)
   profile.header.flags = profile::k_profile_overrun;
   if (sequence % 2 == 0)
     profile.header.encoder_ticks = -0x1'2345'6789'abcd - static_cast<std::int64_t>(sequence);
+  if (sequence % 3 == 0) profile.header.speckle_contrast = 0.47F + 0.001F * static_cast<float>(sequence);
   for (std::size_t i = 0; i < points; ++i) {
     profile::ProfilePoint point;
     point.point_cam = {number(random), number(random), number(random)};

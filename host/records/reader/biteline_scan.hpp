@@ -38,6 +38,7 @@ struct Profile {
   std::int64_t exposure_mid_ns{0};
   std::uint32_t flags{0};
   std::optional<std::int64_t> encoder_ticks{};  ///< where an encoder is the pose
+  std::optional<float> speckle_contrast{};      ///< where the stripe shows it
   Motion T_base_flange{}, T_flange_cam{};
   std::vector<float> x, y, z, sigma_mm, row_px, sigma_row_px, amplitude, width_px;
   std::vector<std::uint16_t> column, point_flags;
@@ -212,6 +213,7 @@ inline std::optional<Profile> read_profile(Reader& reader, Table& body) {
   profile.T_base_flange = body.motion(3);
   profile.flags = body.number<std::uint32_t>(5);
   if (body.place(18)) profile.encoder_ticks = body.number<std::int64_t>(18);
+  if (body.place(19)) profile.speckle_contrast = body.number<float>(19);
   std::size_t slot = 7;
   for (std::vector<float>* column : {&profile.x, &profile.y, &profile.z, &profile.sigma_mm, &profile.row_px,
                                      &profile.sigma_row_px, &profile.amplitude, &profile.width_px})

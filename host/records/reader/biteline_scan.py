@@ -106,6 +106,7 @@ def profiles(file):
             "T_flange_cam": T_flange_cam,
             "flags": body.number(5, "I"),
             "encoder_ticks": body.number(18, "q") if body.place(18) else None,
+            "speckle_contrast": body.number(19, "f") if body.place(19) else None,
         }
         for i, name in enumerate(FLOATS):
             bits = _unpack(body.bytes(7 + i), count, _DENSE, 0)

@@ -100,6 +100,7 @@ TEST(Messages, ProfileComesBackBitForBit) {
     LONGS_EQUAL(19, got.header.frame_sequence);
     LONGS_EQUAL(12345, got.header.pose_age.count());
     CHECK(got.header.encoder_ticks == -0x1'2345'6789'abcd - 12);
+    CHECK(sent.header.speckle_contrast && got.header.speckle_contrast == sent.header.speckle_contrast);
     LONGS_EQUAL(sent.header.flags, got.header.flags);
     for (std::size_t i = 0; i < sent.points.size(); ++i) {
       CHECK(test::same_bits(sent.points[i], got.points[i]));
@@ -115,6 +116,17 @@ TEST(Messages, AnEncodersCountIsAbsentOrAnyNumber) {
   for (const std::int64_t ticks : {std::int64_t{0}, std::numeric_limits<std::int64_t>::min()}) {
     profile.header.encoder_ticks = ticks;
     CHECK(round_trip(profile).header.encoder_ticks == ticks);
+  }
+}
+
+TEST(Messages, SpecklesContrastIsAbsentOrPossible) {
+  profile::Profile profile = test::made_profile(5, 3);
+  CHECK(!round_trip(profile).header.speckle_contrast);
+  profile.header.speckle_contrast = 0.0F;
+  CHECK(round_trip(profile).header.speckle_contrast == 0.0F);
+  for (const float impossible : {-0.01F, 11.0F, std::numeric_limits<float>::quiet_NaN()}) {
+    profile.header.speckle_contrast = impossible;
+    FAILS_NAMING(Errc::ProtocolError, "speckle", decode(bytes_of({.body = profile})));
   }
 }
 

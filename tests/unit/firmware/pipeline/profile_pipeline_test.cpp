@@ -331,6 +331,38 @@ TEST(ProfilePipeline, BracketsSecondPointsAreCarriedToTheFirstInstant) {
   DOUBLES_EQUAL(0, (out->view()[50].point_cam - before - Eigen::Vector3f{1, 0, 0}).norm(), 1e-3);
 }
 
+TEST(ProfilePipeline, ProfileTellsTheSpeckleOfTheLongerExposureThatShowsIt) {
+  MadeStripe grainy = made(), even = made(), none = made();
+  grainy.noise.speckle_contrast = 0.3F;
+  none.amplitude = 0;
+  const auto seen = std::make_unique<stripe::Peaks>();
+  auto extractor = stripe::PeakExtractor::create({}, k_width_px, k_height_px);
+  CHECK(extractor.has_value());
+  const auto contrast_in = [&](const std::vector<std::uint8_t>& pixels) {
+    extractor->rt_extract({.pixels = pixels.data(), .stride_bytes = k_width_px}, *seen);
+    CHECK(seen->speckle.measured);
+    return seen->speckle.contrast;
+  };
+  const auto bright = stripe::test::picture(grainy, random), level = stripe::test::picture(even, random),
+             dark = stripe::test::picture(none, random);
+  CHECK_COMPARE(contrast_in(bright), >, contrast_in(level) + 0.1F);
+
+  ProfilePipeline alone = create(), bracket = create({.bracketing = true});
+  CHECK(process(alone, bright));
+  CHECK(out->header.speckle_contrast == contrast_in(bright));
+  CHECK(process(alone, dark));
+  CHECK(!out->header.speckle_contrast.has_value());
+  const auto bracketed = [&](const std::vector<std::uint8_t>& first,
+                             const std::vector<std::uint8_t>& second) {
+    CHECK(!process(bracket, first, 0));
+    CHECK(process(bracket, second, 4, hal::k_frame_second_exposure));
+    return out->header.speckle_contrast;
+  };
+  CHECK(bracketed(level, bright) == contrast_in(bright));
+  CHECK(bracketed(bright, dark) == contrast_in(bright));
+  CHECK(!bracketed(dark, dark).has_value());
+}
+
 TEST(ProfilePipeline, LostHalvesOfABracketGoOutAlone) {
   const auto pixels = stripe::test::picture(made(), random);
   ProfilePipeline sut = create({.bracketing = true});

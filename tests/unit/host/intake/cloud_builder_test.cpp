@@ -8,6 +8,7 @@
 #include <limits>
 #include <map>
 
+#include "host/intake/account.hpp"
 #include "tests/support/made_profile.hpp"
 
 namespace biteline::intake {
@@ -177,6 +178,24 @@ TEST(CloudBuilder, MissingProfilesAreCounted) {
     sut.add(profile);
   }
   LONGS_EQUAL(2 + 2, sut.counts().profiles_lost);
+}
+
+TEST(CloudBuilder, SpecklesContrastIsThatOfTheProfilesThatWereUsed) {
+  CloudBuilder sut{sensor};
+  CHECK_FALSE(account_of(sut.counts(), {}, {}).contains("speckle_contrast"));
+  for (std::uint64_t i = 0; i < 101; ++i) {
+    profile.header.sequence = i;
+    profile.header.speckle_contrast = 0.2F + 0.001F * static_cast<float>((37 * i) % 101);
+    sut.add(profile);
+  }
+  profile.header.speckle_contrast.reset();
+  sut.add(profile);
+  profile.header.speckle_contrast = 9.0F;
+  profile.header.flags = profile::k_profile_pose_missing;
+  sut.add(profile);
+  const auto contrast = account_of(sut.counts(), {}, {})["speckle_contrast"];
+  DOUBLES_EQUAL(0.250, contrast["median"].get<double>(), 1e-6);
+  DOUBLES_EQUAL(0.295, contrast["p95"].get<double>(), 1e-6);
 }
 
 }  // namespace biteline::intake
