@@ -118,6 +118,8 @@ Result<geometry::SensorModel> read_sensor_yaml(const std::filesystem::path& path
     sensor.exposure = Nanoseconds{reader.integer("exposure_ns", {.minimum = 1, .maximum = 1e10})};
   static_cast<void>(reader.text_or("rate_hz", ""));
   static_cast<void>(reader.text_or("exposure_ns", ""));
+  if (reader.has("speckle_contrast"))
+    sensor.speckle_contrast = reader.number("speckle_contrast", {.minimum = 0, .maximum = 10});
   {
     YamlReader block = reader.child("camera_state", false);
     sensor.camera_state = read_camera_state(block);
@@ -161,6 +163,7 @@ std::string sensor_yaml_text(const geometry::SensorModel& sensor, const std::str
           "      # pose clock minus camera clock\n";
   if (sensor.rate_hz) text += "rate_hz: " + number(*sensor.rate_hz) + "\n";
   if (sensor.exposure) text += "exposure_ns: " + std::to_string(sensor.exposure->count()) + "\n";
+  if (sensor.speckle_contrast) text += "speckle_contrast: " + number(*sensor.speckle_contrast) + "\n";
   if (sensor.camera_state.told())
     text += "camera_state:                      # what the camera does to its picture\n" +
             camera_state_text(sensor.camera_state, "  ");

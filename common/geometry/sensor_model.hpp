@@ -36,6 +36,8 @@ struct SensorModel {
   std::optional<double> rate_hz;        ///< frames per second, where told
   std::optional<Nanoseconds> exposure;  ///< where told
   CameraState camera_state{};           ///< what the camera was calibrated in
+  /// Of the laser's speckle when the head was calibrated, where told (ProfileHeader::speckle_contrast).
+  std::optional<double> speckle_contrast{};
 };
 
 /// Point of the laser plane seen at a full-sensor pixel: X = r * d / (n . r) with the viewing ray r (method:

@@ -8,9 +8,12 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "common/config/sensor_yaml.hpp"
 #include "host/intake/child_process.hpp"
 #include "tests/support/errors.hpp"
 #include "tests/support/json.hpp"
+#include "tests/support/made_head.hpp"
+#include "tests/support/temporary_folder.hpp"
 #include "tests/unit/host/robot/link/fake_controller.hpp"
 
 namespace biteline {
@@ -142,6 +145,25 @@ TEST(Doctor, TellsTheNoiseOfAHeadAndWhatWouldLowerIt) {
   STRCMP_CONTAINS("the laser's speckle limits a point", told.c_str());
   STRCMP_CONTAINS("f/2.8, same brightness", told.c_str());
   STRCMP_CONTAINS("--light", say({"doctor", "--f-number", "4"}).last_error.c_str());
+}
+
+TEST(Doctor, TellsMeasuredSpeckleBesideWhatIsForecast) {
+  test::TemporaryFolder folder;
+  geometry::SensorModel sensor = test::made_head(1626, 320);
+  sensor.speckle_contrast = 0.48;
+  const std::string yaml = folder.write("sensor.yaml", config::sensor_yaml_text(sensor, "made")),
+                    report = folder.write("report.json",
+                                          R"({"scan": {"speckle_contrast": {"median": 0.24, "p95": 0.3}}})"),
+                    silent = folder.write("silent.json", R"({"scan": {}})");
+  const json told = doctor({"--light", "--sensor", yaml, "--report", report})["measured"];
+  DOUBLES_EQUAL(0.48, told["calibrated"].get<double>(), 0);
+  DOUBLES_EQUAL(0.24, told["scanned"].get<double>(), 0);
+  STRCMP_CONTAINS("calibrated: contrast 0.48 measured, 0.47 forecast.",
+                  told["words"].get<std::string>().c_str());
+  STRCMP_CONTAINS("0.46 forecast: less than this light has", told["words"].get<std::string>().c_str());
+  STRCMP_CONTAINS("scanned: contrast 0.24 measured",
+                  say({"doctor", "--light", "--report", report}).out.c_str());
+  CHECK_FALSE(doctor({"--light", "--report", silent}).contains("measured"));
 }
 
 TEST(Doctor, MistypedWordsAreAnsweredByTheNearestOne) {

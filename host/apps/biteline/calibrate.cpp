@@ -292,7 +292,10 @@ Result<ExitStatus> calibrate(const CalibrateOptions& options, const GlobalOption
     std::fprintf(stderr,
                  "biteline: the pictures do not tell the camera's state (no camera_state.yaml beside them): "
                  "sensor.yaml tells none, and the sensor expects neither mirror, turn nor binning\n");
-  if (result.laser) sensor.laser_plane = result.fit.state.plane;
+  if (result.laser) {
+    sensor.laser_plane = result.fit.state.plane;
+    sensor.speckle_contrast = result.laser->speckle_contrast;
+  }
   if (result.hand_eye) sensor.T_flange_cam = result.fit.state.T_flange_cam;
   const auto refused_by = [](const Error& error) {
     return error_row(error.code).exit_status == ExitStatus::Refused;

@@ -306,10 +306,10 @@ class Session {
 
   void note_stripe(const image::GreyImage& picture) {
     const auto stripe = calibration::find_stripe(picture);
-    if (!stripe || stripe->empty()) return;
+    if (!stripe || stripe->points.empty()) return;
     double sum = 0;
-    for (const calibration::StripePoint& point : *stripe) sum += point.pixel_px.y();
-    stripe_rows_px_.push_back(sum / static_cast<double>(stripe->size()));
+    for (const calibration::StripePoint& point : stripe->points) sum += point.pixel_px.y();
+    stripe_rows_px_.push_back(sum / static_cast<double>(stripe->points.size()));
   }
 
   void advise() {

@@ -252,11 +252,12 @@ void add_doctor(options::Command& app, Context& context) {
   command->callback([board, robot, light, &context] {
     if (light->asked) {
       context.run = [light, &context]() -> Result<ExitStatus> {
+        BITELINE_ASSIGN(const MeasuredLight measured, read_measured_light(*light));
         const std::vector<LightChoice> choices = light_choices(light->light);
         if (context.options.json)
-          std::printf("%s\n", report::to_text(light_json(choices)).c_str());
+          std::printf("%s\n", report::to_text(light_json(choices, measured)).c_str());
         else
-          print_light(choices);
+          print_light(choices, measured);
         return ExitStatus::Done;
       };
       return;

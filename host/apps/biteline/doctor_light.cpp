@@ -2,9 +2,13 @@
 #include "host/apps/biteline/doctor_light.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <initializer_list>
 #include <nlohmann/json.hpp>
+
+#include "common/config/sensor_yaml.hpp"
+#include "host/records/batch/json_fields.hpp"
 
 namespace biteline::app {
 namespace {
@@ -61,6 +65,19 @@ std::string text(const char* format, double value) {
   return line;
 }
 
+/// Forecasts agree with rendered pictures so far, and a measured contrast with the true one.
+constexpr double k_agreement_ratio = 0.15;
+
+/// "0.45 measured, 0.47 forecast", and whether they agree within both tolerances.
+std::string beside(const char* when, double measured, double forecast) {
+  char line[160];
+  std::snprintf(line, sizeof line, "%s: contrast %.2f measured, %.2f forecast", when, measured, forecast);
+  std::string words = line;
+  if (std::abs(measured - forecast) <= 2 * k_agreement_ratio * forecast) return words + ".";
+  return words + (measured > forecast ? ": more than this light has. Is the lens stopped down farther?"
+                                      : ": less than this light has. Is it out of focus, or wider open?");
+}
+
 /// The worst of the range.
 double worst_mm(const LightChoice& choice) {
   return std::max(choice.noise.middle_mm, choice.noise.end_mm);
@@ -103,6 +120,34 @@ std::string light_advice(const std::vector<LightChoice>& choices) {
   else
     advice += " None of these changes gains a tenth.";
   return advice;
+}
+
+Result<MeasuredLight> read_measured_light(const LightQuestion& question) {
+  MeasuredLight measured;
+  if (!question.sensor.empty()) {
+    BITELINE_ASSIGN(const geometry::SensorModel sensor, config::read_sensor_yaml(question.sensor));
+    measured.calibrated = sensor.speckle_contrast;
+  }
+  if (!question.report.empty()) {
+    BITELINE_ASSIGN(const nlohmann::ordered_json report, batch::read_json_object(question.report));
+    const nlohmann::ordered_json::json_pointer place{"/scan/speckle_contrast"};
+    if (report.contains(place)) {
+      BITELINE_ASSIGN(const nlohmann::ordered_json* scan,
+                      batch::JsonFields(report, question.report).object("scan"));
+      BITELINE_ASSIGN(const nlohmann::ordered_json* contrast,
+                      batch::JsonFields(*scan, question.report).object("speckle_contrast"));
+      BITELINE_ASSIGN(measured.scanned, batch::JsonFields(*contrast, question.report).number("median"));
+    }
+  }
+  return measured;
+}
+
+std::string measured_words(const MeasuredLight& measured, const optics::StripeNoise& forecast) {
+  std::string words;
+  if (measured.calibrated) words = beside("calibrated", *measured.calibrated, forecast.contrast_at_rest);
+  if (measured.scanned)
+    words += (words.empty() ? "" : "\n") + beside("scanned", *measured.scanned, forecast.contrast);
+  return words;
 }
 
 void add_light_options(options::Command& command, LightQuestion& question) {
@@ -154,9 +199,17 @@ void add_light_options(options::Command& command, LightQuestion& question) {
         ->capture_default_str()
         ->needs(asked);
   }
+  command
+      .add_option("--sensor", question.sensor,
+                  "A sensor.yaml: the contrast that it was calibrated with beside the forecast")
+      ->check(options::existing_file())
+      ->needs(asked);
+  command.add_option("--report", question.report, "A scan's report.json: its contrast beside the forecast")
+      ->check(options::existing_file())
+      ->needs(asked);
 }
 
-void print_light(const std::vector<LightChoice>& choices) {
+void print_light(const std::vector<LightChoice>& choices, const MeasuredLight& measured) {
   std::printf("%-36s %9s %8s %9s %9s %9s %6s\n", "", "exposure", "contrast", "noise", "at ends", "Dorsch's",
               "class");
   std::printf("%-36s %9s %8s %9s %9s %9s %6s\n", "one column of a matt surface", "us", "", "mm", "mm",
@@ -173,10 +226,12 @@ void print_light(const std::vector<LightChoice>& choices) {
       "%.3f mm of motion within the exposure\n",
       now.noise.stripe_px, now.noise.speckle_mm, now.noise.camera_mm, now.noise.pixel_mm, now.noise.moved_mm);
   std::printf("%s\n", light_advice(choices).c_str());
+  if (const std::string words = measured_words(measured, now.noise); !words.empty())
+    std::printf("%s\n", words.c_str());
   std::printf("The class is a judgement for continuous light; what counts is the maker's.\n");
 }
 
-nlohmann::ordered_json light_json(const std::vector<LightChoice>& choices) {
+nlohmann::ordered_json light_json(const std::vector<LightChoice>& choices, const MeasuredLight& measured) {
   auto rows = nlohmann::ordered_json::array();
   for (const LightChoice& choice : choices) {
     const optics::StripeNoise& noise = choice.noise;
@@ -200,7 +255,11 @@ nlohmann::ordered_json light_json(const std::vector<LightChoice>& choices) {
                     {"laser_class_about", name_of(optics::laser_class(choice.light))},
                     {"limit", name_of(optics::limit_of(choice.light, noise))}});
   }
-  return {{"choices", rows}, {"advice", light_advice(choices)}};
+  nlohmann::ordered_json json{{"choices", rows}, {"advice", light_advice(choices)}};
+  if (measured.calibrated) json["measured"]["calibrated"] = *measured.calibrated;
+  if (measured.scanned) json["measured"]["scanned"] = *measured.scanned;
+  if (json.contains("measured")) json["measured"]["words"] = measured_words(measured, choices.front().noise);
+  return json;
 }
 
 }  // namespace biteline::app

@@ -2,10 +2,13 @@
 #pragma once
 /// \file What noise a head will have, and what another lens, speed or laser would give, in words.
 
+#include <filesystem>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "common/core/result.hpp"
 #include "common/optics/stripe_noise.hpp"
 #include "common/options/command.hpp"
 
@@ -28,10 +31,21 @@ struct LightChoice {
 struct LightQuestion {
   bool asked{false};
   optics::ScanLight light{};
+  std::filesystem::path sensor, report;  ///< a sensor.yaml and a scan's report.json; empty: none
 };
 void add_light_options(options::Command& command, LightQuestion& question);
 
-void print_light(const std::vector<LightChoice>& choices);
-[[nodiscard]] nlohmann::ordered_json light_json(const std::vector<LightChoice>& choices);
+/// Contrasts of speckle that were measured; nothing where the files do not tell them.
+struct MeasuredLight {
+  std::optional<double> calibrated;  ///< at rest, of sensor.yaml
+  std::optional<double> scanned;     ///< median of a scan, of report.json
+};
+[[nodiscard]] Result<MeasuredLight> read_measured_light(const LightQuestion& question);
+/// What was measured beside what is forecast, and what to look at where they disagree; empty: nothing was.
+[[nodiscard]] std::string measured_words(const MeasuredLight& measured, const optics::StripeNoise& forecast);
+
+void print_light(const std::vector<LightChoice>& choices, const MeasuredLight& measured);
+[[nodiscard]] nlohmann::ordered_json light_json(const std::vector<LightChoice>& choices,
+                                                const MeasuredLight& measured);
 
 }  // namespace biteline::app

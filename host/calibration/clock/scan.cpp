@@ -23,13 +23,13 @@ Result<Scan> read_scan(const std::filesystem::path& session_folder, int column_s
       errors[i] = picture.error();
       return;
     }
-    const Result<std::vector<StripePoint>> points = find_stripe(*picture);
-    if (!points) {
-      errors[i] = points.error();
+    const Result<Stripe> stripe = find_stripe(*picture);
+    if (!stripe) {
+      errors[i] = stripe.error();
       return;
     }
     const Vec2 offset_px(session.sensor.region.offset_u_px, session.sensor.region.offset_v_px);
-    for (const StripePoint& p : *points) {
+    for (const StripePoint& p : stripe->points) {
       if (static_cast<int>(p.pixel_px.x()) % column_step == 0)
         scan.frames[i].stripe_px.push_back(p.pixel_px + offset_px);
     }

@@ -139,7 +139,8 @@ Result<LaserFolder> read_laser_folder(const fs::path& calib) {
         place.planes.push_back(make_plane_view(place.name, grid, folder.target));
       constexpr int k_thinned_columns = 16;  // a tenth of a ring's width: straight, whatever the lens
       BITELINE_ASSIGN(const auto stripe, find_stripe(picture));
-      place.stripe = thin_stripe(stripe, k_thinned_columns);
+      place.stripe = thin_stripe(stripe.points, k_thinned_columns);
+      place.speckle_contrast = stripe.speckle_contrast;
     }
     folder.places.push_back(std::move(place));
   }

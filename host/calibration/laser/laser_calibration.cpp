@@ -310,6 +310,10 @@ Result<LaserCalibration> calibrate_laser(const geometry::Camera& camera,
     result.views[v].rms_mm = rms_to(fit.plane, points, v);
     result.views[v].points = std::move(used[v]);
   }
+  std::vector<double> contrasts;
+  for (const LaserView& view : result.views)
+    if (view.pictures.speckle_contrast) contrasts.push_back(*view.pictures.speckle_contrast);
+  if (!contrasts.empty()) result.speckle_contrast = geometry::median_of(std::move(contrasts));
   result.two_planes = relate_planes(result.views, result.T_plane1_plane2);
   return result;
 }

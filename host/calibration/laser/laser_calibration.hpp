@@ -2,6 +2,7 @@
 #pragma once
 /// \file The laser plane in the camera frame, from pictures of a stripe on planes of known pose.
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,9 +16,10 @@ namespace biteline::calibration {
 /// One place of the laser target: its grids with the lamp on, its stripe with the laser on.
 struct LaserPictures {
   std::string name;
-  std::vector<PlaneView> planes;    ///< one or two grids
-  std::vector<StripePoint> stripe;  ///< thinned
-  bool along_columns{false};        ///< so the stripe runs, and hardly a column meets it once
+  std::vector<PlaneView> planes;             ///< one or two grids
+  std::vector<StripePoint> stripe;           ///< thinned
+  bool along_columns{false};                 ///< so the stripe runs, and hardly a column meets it once
+  std::optional<double> speckle_contrast{};  ///< of the stripe's light, where it shows it
 };
 
 /// A stripe point on the target's plane `plane` of its view.
@@ -41,7 +43,8 @@ struct LaserCalibration {
   int points_set_aside{0};
   SE3 T_plane1_plane2{SE3::Identity()};  ///< of the two-plane target, where both were seen
   bool two_planes{false};
-  Vec3 middle_cam{Vec3::Zero()};  ///< of the stripe points: the middle of the working region
+  Vec3 middle_cam{Vec3::Zero()};             ///< of the stripe points: the middle of the working region
+  std::optional<double> speckle_contrast{};  ///< of the light: the median of those views that show it
   std::vector<LaserView> views;
   std::vector<SetAside> set_aside;
 };

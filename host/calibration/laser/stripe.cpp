@@ -70,22 +70,23 @@ stripe::PeakConfig config_for(const image::GreyImage& picture) {
 
 }  // namespace
 
-Result<std::vector<StripePoint>> find_stripe(const image::GreyImage& picture) {
+Result<Stripe> find_stripe(const image::GreyImage& picture) {
   BITELINE_ASSIGN(auto extractor,
                   stripe::PeakExtractor::create(config_for(picture), picture.width_px, picture.height_px));
   const auto peaks = std::make_unique<stripe::Peaks>();
   extractor.rt_extract(
       {.pixels = picture.pixels.data(), .stride_bytes = static_cast<std::size_t>(picture.width_px)}, *peaks);
-  std::vector<StripePoint> points;
+  Stripe stripe;
+  if (peaks->speckle.measured) stripe.speckle_contrast = static_cast<double>(peaks->speckle.contrast);
   for (int u = 0; u < peaks->column_count; ++u) {
     const stripe::ColumnPeaks& column = peaks->columns[static_cast<std::size_t>(u)];
     if (column.seen_count != 1 || column.kept_count != 1 || column.kept[0].flags != 0) continue;
     const stripe::Peak& peak = column.kept[0];
     // 0.02 px: what speckle and the surface leave however bright the stripe is.
-    points.push_back({.pixel_px = Vec2(u, static_cast<double>(peak.row_px)),
-                      .sigma_px = std::hypot(0.02, static_cast<double>(peak.sigma_row_px))});
+    stripe.points.push_back({.pixel_px = Vec2(u, static_cast<double>(peak.row_px)),
+                             .sigma_px = std::hypot(0.02, static_cast<double>(peak.sigma_row_px))});
   }
-  return points;
+  return stripe;
 }
 
 std::vector<StripePoint> thin_stripe(const std::vector<StripePoint>& points, int columns) {

@@ -149,7 +149,7 @@ PictureVerdict judge_rings(const image::GreyImage& picture, const std::vector<ca
 PictureVerdict judge_stripe(const image::GreyImage& picture) {
   PictureVerdict verdict;
   const auto stripe = calibration::find_stripe(picture);
-  const double columns = stripe ? static_cast<double>(stripe->size()) : 0;
+  const double columns = stripe ? static_cast<double>(stripe->points.size()) : 0;
   // A stripe at full scale has no sound peaks: it is looked for in the pixels themselves.
   const auto width = static_cast<std::size_t>(picture.width_px);
   std::vector<bool> full(width, false);

@@ -64,6 +64,16 @@ TEST(SensorYaml, TheCamerasStateIsABlockThatMayLack) {
                read(sensor_yaml_text(sensor, "made") + "camera_state: upright\n"));
 }
 
+TEST(SensorYaml, SpecklesContrastMayLack) {
+  const std::string without = sensor_yaml_text(sensor, "made");
+  CHECK(without.find("speckle_contrast") == std::string::npos);
+  CHECK_FALSE(read(without)->speckle_contrast.has_value());
+  sensor.speckle_contrast = 0.475;
+  DOUBLES_EQUAL(0.475, read(sensor_yaml_text(sensor, "made"))->speckle_contrast.value_or(-1), 0);
+  FAILS_NAMING(Errc::BadValue, "speckle_contrast",
+               read(changed("speckle_contrast: 0.475", "speckle_contrast: -0.475")));
+}
+
 TEST(SensorYaml, WhatWasWrittenIsRead) {
   const auto sut = read(sensor_yaml_text(sensor, "made"));
   SUCCEEDS(sut);

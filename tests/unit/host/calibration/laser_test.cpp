@@ -85,6 +85,15 @@ TEST(Laser, ExactWithoutNoise) {
   DOUBLES_EQUAL(88.0, std::acos(result->T_plane1_plane2.linear()(2, 2)) * 180 / std::numbers::pi, 1e-4);
 }
 
+TEST(Laser, SpecklesContrastIsTheMedianOfThePicturesThatShowIt) {
+  auto all = places(6);
+  CHECK(!calibrate_laser(scene.camera, all)->speckle_contrast);
+  all[0].speckle_contrast = 0.9;
+  all[2].speckle_contrast = 0.45;
+  all[4].speckle_contrast = 0.4;
+  DOUBLES_EQUAL(0.45, calibrate_laser(scene.camera, all)->speckle_contrast.value_or(0), 0);
+}
+
 TEST(Laser, NoiseGivesHundredthsOfAMillimetre) {
   const auto result = calibrate_laser(scene.camera, places(6));
   CHECK_TRUE_TEXT(result.has_value(), result ? "" : to_line(result.error()).c_str());
@@ -161,19 +170,24 @@ TEST(Laser, StripeStandsOutOfItsPicturesOwnNoise) {
     made.amplitude = 150;
     made.noise.read_noise_grey = read_noise_grey;
     made.row_px = [](int u) { return 280.3 + 0.1 * u; };
-    const auto points = find_stripe({.width_px = made.width_px,
+    const auto stripe = find_stripe({.width_px = made.width_px,
                                      .height_px = made.height_px,
                                      .pixels = stripe::test::picture(made, random)});
-    CHECK(points.has_value());
-    CHECK(points->size() > 0.95 * made.width_px);
+    CHECK(stripe.has_value());
+    CHECK(stripe->points.size() > 0.95 * made.width_px);
+    // This light has no speckle.  Told is no more than what all of the camera's noise would make, and half as
+    // much again: a hundred columns err by an eighth.
+    const double noise_grey = std::hypot(static_cast<double>(read_noise_grey),
+                                         std::sqrt(made.noise.gain_grey_per_electron * made.amplitude));
+    CHECK_COMPARE(stripe->speckle_contrast.value_or(1), <, 1.5 * noise_grey / made.amplitude);
     double sum_normalised = 0;
-    for (const StripePoint& p : *points) {
+    for (const StripePoint& p : stripe->points) {
       const double error_px = p.pixel_px.y() - made.row_px(static_cast<int>(p.pixel_px.x()));
       CHECK(std::abs(error_px) < 2);
       sum_normalised += std::pow(error_px / p.sigma_px, 2);
     }
     // Below 1: speckle is reckoned with, and there is none here.
-    const double level = std::sqrt(sum_normalised / static_cast<double>(points->size()));
+    const double level = std::sqrt(sum_normalised / static_cast<double>(stripe->points.size()));
     CHECK_TEXT(level > 0.15 && level < 1.5, StringFromFormat("level %g", level).asCharString());
   }
 }
