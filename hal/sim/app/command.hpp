@@ -16,6 +16,14 @@ struct Context {
   std::function<Result<void>()> run;
 };
 
+/// The options that choose a head's lens and laser, the same for every subcommand that makes pictures.
+struct LightOptions {
+  sim::HeadLight light{};
+  std::string source{"laser"};
+
+  [[nodiscard]] sim::HeadLight chosen() const;
+};
+
 /// The options that choose a scene, the same for every subcommand.
 struct SceneOptions {
   std::uint64_t seed{1};
@@ -32,8 +40,7 @@ struct SceneOptions {
   double speed_mm_s{100};
   double rate_hz{100};
   double ambient_grey{0};
-  sim::HeadLight light{};
-  std::string light_source{"laser"};
+  LightOptions light{};
   double scan_begin_ratio{0};  ///< of the way round, from the heel, anticlockwise
   bool scan_clockwise{false};
   double check_lap_mm{0};  ///< the scan's ends overlap by so much, differently held; 0: they do not
@@ -44,7 +51,7 @@ void add_scene_options(options::Command& command, SceneOptions& options);
 /// Of what goes round the shoe.
 void add_way_round_options(options::Command& command, SceneOptions& options);
 /// Of the head's lens and laser: what speckle they make.
-void add_light_options(options::Command& command, SceneOptions& options);
+void add_light_options(options::Command& command, LightOptions& options);
 /// Of recordings alone: a live cell has its own arm and says how the head hangs on it.
 void add_reach_option(options::Command& command, SceneOptions& options);
 [[nodiscard]] Result<sim::SceneSettings> scene_settings(const SceneOptions& options);

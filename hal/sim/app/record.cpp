@@ -92,12 +92,14 @@ Result<void> record_cloud(const CloudOptions& options) {
 
 struct CalibrationOptions {
   sim::CalibrationSettings settings;
+  LightOptions light;
   std::string out;
   double clock_offset_ms{0};
 };
 
 Result<void> record_calibration(const CalibrationOptions& options, bool with_clock) {
   sim::CalibrationSettings settings = options.settings;
+  settings.light = options.light.chosen();
   if (with_clock) settings.clock_offset = Nanoseconds{std::llround(options.clock_offset_ms * 1e6)};
   BITELINE_TRY(sim::record_calibration(options.out, settings, show_progress));
   std::printf("simulated calibration pictures of head %llu: %s\n",
@@ -116,6 +118,7 @@ void add_record_calibration(options::Command& app, Context& context) {
       ->add_option("--head", settings.head_seed, "Which head: its true calibration is drawn from this seed")
       ->capture_default_str();
   command->add_option("--seed", settings.view_seed, "Views and noise")->capture_default_str();
+  add_light_options(*command, options->light);
   command->add_option("--out", options->out, "The calibration folder")->required();
   command->add_option("--camera-views", settings.camera_views)
       ->capture_default_str()
@@ -159,7 +162,7 @@ void add_record(options::Command& app, Context& context) {
   options::Command* command =
       app.add_subcommand("record", "Write a made scan as a session folder, with its truth; no time runs");
   add_scene_options(*command, options->scene);
-  add_light_options(*command, options->scene);
+  add_light_options(*command, options->scene.light);
   add_way_round_options(*command, options->scene);
   add_reach_option(*command, options->scene);
   add_world_options(*command, options->world);

@@ -56,7 +56,13 @@ void add_scene_options(options::Command& command, SceneOptions& options) {
       ->check(options::number({.minimum = 1, .maximum = 1000}, ""));
 }
 
-void add_light_options(options::Command& command, SceneOptions& options) {
+sim::HeadLight LightOptions::chosen() const {
+  sim::HeadLight chosen = light;
+  chosen.coherent = source == "laser";
+  return chosen;
+}
+
+void add_light_options(options::Command& command, LightOptions& options) {
   sim::HeadLight& light = options.light;
   command
       .add_option(
@@ -75,7 +81,7 @@ void add_light_options(options::Command& command, SceneOptions& options) {
       ->check(options::number({.minimum = 0, .maximum = 20}, "nm"))
       ->capture_default_str();
   command
-      .add_option("--light", options.light_source,
+      .add_option("--light", options.source,
                   "laser: coherent, with speckle; lamp: a line of a lamp's light, without")
       ->check(options::one_of({"laser", "lamp"}))
       ->capture_default_str();
@@ -141,9 +147,8 @@ Result<sim::SceneSettings> scene_settings(const SceneOptions& options) {
       .scan_clockwise = options.scan_clockwise,
       .rate_hz = options.rate_hz,
       .ambient_grey = options.ambient_grey,
-      .light = options.light,
+      .light = options.light.chosen(),
       .check = {.length_mm = options.check_lap_mm}};
-  settings.light.coherent = options.light_source == "laser";
   if (!options.reach_of.empty()) settings.places = sim::places_within_reach_of(options.reach_of);
   if (options.upper) {
     settings.shoe = sim::bare_upper_of(settings.shoe, options.last_difference_mm, settings.place_seed);

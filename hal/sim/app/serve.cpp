@@ -147,7 +147,7 @@ void add_serve(options::Command& app, Context& context) {
   options::Command* command = app.add_subcommand(
       "serve", "Run the cell until SIGTERM: camera, wires, pose bus and robot, all simulated");
   add_scene_options(*command, options->scene);
-  add_light_options(*command, options->scene);
+  add_light_options(*command, options->scene.light);
   add_way_round_options(*command, options->scene);
   add_world_options(*command, options->world);
   command

@@ -31,6 +31,7 @@ class Recorder {
                           .offset_v_px = 0,
                           .width_px = head_.sensor_width_px,
                           .height_px = head_.sensor_height_px};
+    set_light(head_, settings.light);
     head_.model.rate_hz.reset();
     head_.model.exposure.reset();
     // The mean of many exposures is one with as much more light and as much less noise.
@@ -129,6 +130,7 @@ class Recorder {
     SceneSettings scene_settings;
     scene_settings.shoe = draw_shoe(ShoeClass::Deep, settings_.view_seed);
     scene_settings.head_seed = settings_.head_seed;
+    scene_settings.light = settings_.light;
     BITELINE_ASSIGN(const auto scene, make_scene(scene_settings));
     RecordSettings session;
     session.pose_clock_offset = *settings_.clock_offset;

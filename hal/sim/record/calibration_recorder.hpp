@@ -21,6 +21,7 @@ struct CalibrationSettings {
       0.03};                  ///< how far the two-plane target is from 90 degrees, standard deviation
   int averaged{1};            ///< each picture is the mean of so many exposures
   int chessboard_squares{0};  ///< from one ring's centre to the next, boards in their place; 0: rings
+  HeadLight light{};          ///< of the laser pictures, and of clock/
   double scaled_ratio{1};     ///< lit pictures are filled from ones of this size, nearest pixel
   /// With it a clock/ session is added: robot clock minus camera clock, not told in its sensor.yaml.
   std::optional<Nanoseconds> clock_offset;
