@@ -2,7 +2,9 @@
 #include "hal/sim/shoe/scanned_cloud.hpp"
 
 #include <cmath>
+#include <numbers>
 
+#include "common/optics/speckle.hpp"
 #include "hal/sim/shoe/random.hpp"
 
 namespace biteline::sim {
@@ -39,7 +41,8 @@ void hide(const std::vector<double>& z_mm, const std::vector<double>& offset_mm,
 /// section.
 class StripeOn {
  public:
-  StripeOn(const ScanSettings& settings, Random random) : settings_{settings}, random_{random} {}
+  StripeOn(const ScanSettings& settings, Random random)
+      : settings_{settings}, random_{random}, rows_per_grain_{optics::rows_per_grain({})} {}
 
   /// A section's wall faces the head by another angle than the next one's.
   void next_profile() { facing_ratio_ = std::exp(k_facing_spread * random_.gaussian()); }
@@ -51,7 +54,7 @@ class StripeOn {
     const double sigma_px = std::hypot(k_sheet_px, k_blur_px, look.scattering_mm / k_mm_per_px);
     const double grey = k_full_grey * facing_ratio_ * (look.glossy ? k_gloss_ratio : look.diffuse_ratio) *
                         std::max(cosine, k_least_cosine) * (settings_.laser_distance_mm / distance_mm) *
-                        (k_sheet_px / sigma_px) * (1 + k_speckle_ratio * random_.gaussian());
+                        (k_sheet_px / sigma_px) * (1 + speckle_ratio(sigma_px) * random_.gaussian());
     cloud.amplitude.push_back(
         static_cast<float>(std::clamp(grey + k_noise_grey * random_.gaussian(), 1.0, 255.0)));
     cloud.width_px.push_back(static_cast<float>(k_fwhm_per_sigma * sigma_px *
@@ -59,13 +62,21 @@ class StripeOn {
   }
 
  private:
+  /// Of a Gaussian's height as it is fitted to light of contrast C whose grain is L rows: C sqrt(L / (sqrt(2
+  /// pi) s)).
+  [[nodiscard]] double speckle_ratio(double sigma_px) const {
+    return contrast_ * std::sqrt(rows_per_grain_ / (std::sqrt(2 * std::numbers::pi) * sigma_px));
+  }
+
   static constexpr double k_mm_per_px = 0.1, k_sheet_px = 1.9, k_blur_px = 1.1, k_full_grey = 380;
   static constexpr double k_gloss_ratio = 0.02, k_least_cosine = 0.03;
-  static constexpr double k_speckle_ratio = 0.08, k_noise_grey = 1.0, k_width_spread = 0.06;
+  static constexpr double k_noise_grey = 1.0, k_width_spread = 0.06;
   static constexpr double k_facing_spread = 0.1, k_fwhm_per_sigma = 2.3548;
 
   const ScanSettings& settings_;
   Random random_;
+  double rows_per_grain_;
+  double contrast_{optics::polarised_contrast(0) * optics::pixel_contrast({})};
   double facing_ratio_{1};
 };
 

@@ -6,8 +6,8 @@
 /// One profile for each step along the outline, one point for each image column; noise along the viewing ray;
 /// what either laser or camera cannot see past the shoe's own section is missing, and so are glossy patches.
 /// For occlusion laser and camera are taken to stand in the section's plane: the stripe's sideways view is
-/// left out.  The stripe's height follows material, incidence and distance as the rendered pictures' does;
-/// its width follows the material and the blur.
+/// left out.  The stripe's height follows material, incidence, distance and speckle as the rendered pictures'
+/// does; its width follows the material and the blur.
 
 #include <cstdint>
 #include <vector>
@@ -17,9 +17,11 @@
 namespace biteline::sim {
 
 struct ScanSettings {
-  double profile_step_mm{1.0};     ///< between stripes along the outline
-  double column_step_mm{0.073};    ///< between points of a profile, on the surface's height
-  double noise_mm{0.015};          ///< standard deviation along the ray
+  double profile_step_mm{1.0};   ///< between stripes along the outline
+  double column_step_mm{0.073};  ///< between points of a profile, on the surface's height
+  /// Standard deviation along the ray.  What a point of a scan at f/5.6 (contrast 0.47) has once it is
+  /// averaged along its stripe, where that is straight: half of one column's (optics::stripe_noise()).
+  double noise_mm{0.015};
   double camera_distance_mm{141};  ///< horizontal, from the outline: 200 mm at 45 degrees
   double camera_z_mm{55};
   double laser_distance_mm{200};
