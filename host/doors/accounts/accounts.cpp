@@ -90,6 +90,7 @@ void Accounts::note(const memory::Session& session) const {
   const memory::UnixMs now = session_time();
   const std::lock_guard lock{mutex_};
   std::erase_if(sessions_, [now](const auto& one) { return one.second.expires <= now; });
+  std::erase_if(only_here_, [this](const std::string& hash) { return !sessions_.contains(hash); });
   sessions_.insert_or_assign(session.token_hash, session);
 }
 
@@ -146,7 +147,9 @@ Result<tl::expected<Login, NoLogin>> Accounts::log_in(const std::string& name, c
         failures.until = now + std::chrono::seconds{wait_s};
       }
     }
-    BITELINE_TRY(memory_.log(event(user ? name : "?", door, "login failed", user ? name : "unknown name")));
+    // Nobody gets in, whether it can be noted or not.
+    static_cast<void>(
+        memory_.log(event(user ? name : "?", door, "login failed", user ? name : "unknown name")));
     return Outcome{tl::unexpected<NoLogin>{{.too_often = false, .wait_s = 0}}};
   }
   {
@@ -156,7 +159,7 @@ Result<tl::expected<Login, NoLogin>> Accounts::log_in(const std::string& name, c
   const std::optional<Role> role = role_of(user->role);
   if (!role)
     return fail(Errc::BadValue, "memory: user '%.40s' of role '%.40s'", name.c_str(), user->role.c_str());
-  BITELINE_TRY(memory_.note_login(name, memory::now_ms()));
+  static_cast<void>(memory_.note_login(name, memory::now_ms()));
   BITELINE_ASSIGN(Login login, open_session({.name = name, .role = *role}, door, "login"));
   return Outcome{std::move(login)};
 }
@@ -175,15 +178,41 @@ Result<Login> Accounts::open_session(const Person& person, const std::string& do
   const memory::UnixMs now = session_time();
   Login login{.token = {}, .person = person, .expires = now + k_session_ms};
   BITELINE_ASSIGN(login.token, make_token());
-  BITELINE_TRY(memory_.remove_sessions_before(now));
   const memory::Session session{.token_hash = hash_token(login.token),
                                 .user = person.name,
                                 .role = to_text(person.role),
                                 .created = now,
                                 .expires = login.expires};
-  BITELINE_TRY(memory_.put_session(session, event(person.name, door, action, person.name)));
   note(session);
+  const Result<void> kept = keep_session(session, event(person.name, door, action, person.name));
+  if (!kept) {
+    login.not_kept = kept.error();
+    const std::lock_guard lock{mutex_};
+    only_here_.insert(session.token_hash);
+  }
   return login;
+}
+
+Result<void> Accounts::keep_session(const memory::Session& session, const memory::LogRow& event) {
+  BITELINE_TRY(memory_.remove_sessions_before(session.created));
+  std::map<std::string, std::string> ended;
+  {
+    const std::lock_guard lock{mutex_};
+    ended = ended_;
+  }
+  for (const auto& [hash, name] : ended) {
+    BITELINE_TRY(memory_.remove_session(hash, accounts::event(name, "", "logout", name)));
+    const std::lock_guard lock{mutex_};
+    ended_.erase(hash);
+  }
+  return memory_.put_session(session, event);
+}
+
+std::optional<memory::Session> Accounts::only_here(const std::string& token_hash) const {
+  const std::lock_guard lock{mutex_};
+  const auto found = sessions_.find(token_hash);
+  if (!only_here_.contains(token_hash) || found == sessions_.end()) return std::nullopt;
+  return found->second;
 }
 
 Result<std::string> Accounts::make_guest_token() {
@@ -218,16 +247,32 @@ Result<std::optional<Login>> Accounts::use_guest_token(const std::string& token,
 Result<void> Accounts::log_out(const std::string& token, const std::string& door) {
   BITELINE_ASSIGN(const std::optional<Person> person, who_is(token));
   if (!person) return {};
+  const std::string hash = hash_token(token);
+  bool here = false;
   {
     const std::lock_guard lock{mutex_};
-    sessions_.erase(hash_token(token));
+    sessions_.erase(hash);
+    here = only_here_.erase(hash) > 0;
+    if (!here) ended_.emplace(hash, person->name);
   }
-  return memory_.remove_session(hash_token(token), event(person->name, door, "logout", person->name));
+  const Result<void> forgotten =
+      memory_.remove_session(hash, event(person->name, door, "logout", person->name));
+  // What stood only here is over with it.
+  if (!forgotten && !here) return forgotten;
+  const std::lock_guard lock{mutex_};
+  ended_.erase(hash);
+  return {};
 }
 
 Result<std::optional<Person>> Accounts::who_is(const std::string& token) const {
   if (token.empty()) return std::optional<Person>{};
-  BITELINE_ASSIGN(const std::optional<memory::Session> session, memory_.session(hash_token(token)));
+  const std::string hash = hash_token(token);
+  {
+    const std::lock_guard lock{mutex_};
+    if (ended_.contains(hash)) return std::optional<Person>{};
+  }
+  BITELINE_ASSIGN(std::optional<memory::Session> session, memory_.session(hash));
+  if (!session) session = only_here(hash);
   if (!session) return std::optional<Person>{};
   return person_of(*session, session_time());
 }

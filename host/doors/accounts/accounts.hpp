@@ -7,6 +7,7 @@
 #include <map>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,8 @@ struct Login {
   std::string token;  ///< for this person alone; kept hashed only
   Person person;
   memory::UnixMs expires{0};
+  /// Why the memory could not keep it: the session then stands in no log, and ends with the program.
+  std::optional<Error> not_kept{};
 };
 
 /// Why nobody gets in.
@@ -59,8 +62,9 @@ class Accounts {
   /// `memory` outlives it.  `wall`: of a test.
   explicit Accounts(memory::Memory& memory, std::function<memory::UnixMs()> wall = memory::now_ms);
 
-  /// A name that fails waits: nothing after the first two failures, then 2, 4, 8 ... 60 s.  An unknown name
-  /// takes as long as a wrong password.  Takes the clock, so that a test need not wait.
+  /// Needs no write: an Error only where nobody can be looked up.  A name that fails waits: nothing after the
+  /// first two failures, then 2, 4, 8 ... 60 s.  An unknown name takes as long as a wrong password.  Takes
+  /// the clock, so that a test need not wait.
   [[nodiscard]] Result<tl::expected<Login, NoLogin>> log_in(const std::string& name,
                                                             const std::string& password,
                                                             const std::string& door,
@@ -73,6 +77,7 @@ class Accounts {
   [[nodiscard]] Result<std::string> make_first_token();
   /// Without one made before: nobody can show it.
   [[nodiscard]] bool is_first_token(const std::string& token) const;
+  /// Ends the session here in any case; an Error: the memory still has it, for a restart of the program.
   [[nodiscard]] Result<void> log_out(const std::string& token, const std::string& door);
   /// Nobody: no such session, or it has expired.
   [[nodiscard]] Result<std::optional<Person>> who_is(const std::string& token) const;
@@ -112,6 +117,8 @@ class Accounts {
   [[nodiscard]] Result<void> keep_an_administrator(const std::string& without) const;
   void note(const memory::Session& session) const;
   void forget_sessions_of(const std::string& name) const;
+  [[nodiscard]] Result<void> keep_session(const memory::Session& session, const memory::LogRow& event);
+  [[nodiscard]] std::optional<memory::Session> only_here(const std::string& token_hash) const;
 
   /// For sessions: never goes back, whatever the machine's clock is set to.
   [[nodiscard]] memory::UnixMs session_time() const;
@@ -126,6 +133,8 @@ class Accounts {
   std::string guest_hash_, first_hash_;
   std::optional<Holder> holder_;
   mutable std::map<std::string, memory::Session> sessions_;  ///< as they stand in the memory, by token's hash
+  mutable std::set<std::string> only_here_;                  ///< of sessions_: what the memory could not keep
+  std::map<std::string, std::string> ended_;  ///< what the memory could not forget, and whose it is
 };
 
 }  // namespace biteline::accounts

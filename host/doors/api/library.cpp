@@ -161,9 +161,9 @@ Answer Api::save_model(const Call& call) {
 
 Answer Api::tell_of_model(const Call& call, const transfer::ModelInfo& model, const std::string& action,
                           const std::string& scan) {
-  if (const auto logged = rooms_.memory.log(event(call, action, model.name, "", scan)); !logged)
-    return answer_of(logged.error());
   if (rooms_.publish) rooms_.publish("model", model_json(model));
+  if (const auto logged = rooms_.memory.log(event(call, action, model.name, "", scan)); !logged)
+    return unlogged("model " + model.name + " is saved", logged.error());
   return ok(model_json(model), 201);
 }
 
@@ -171,7 +171,7 @@ Answer Api::remove_model(const Call& call) {
   const std::string& name = call.names.front();
   if (const Result<void> done = rooms_.models.remove(name); !done) return answer_of(done.error());
   if (const auto logged = rooms_.memory.log(event(call, "remove model", name, name, "")); !logged)
-    return answer_of(logged.error());
+    return unlogged("model " + name + " is removed", logged.error());
   return nothing();
 }
 
@@ -207,7 +207,7 @@ Answer Api::write_process(const Call& call) {
           rooms_.memory.log(event(call, "save process", name, before ? before->dump() : "",
                                   call.request.body.dump(-1, ' ', false, Json::error_handler_t::replace)));
       !logged)
-    return answer_of(logged.error());
+    return unlogged("process " + name + " is saved", logged.error());
   return process_answer(rooms_.processes, name);
 }
 

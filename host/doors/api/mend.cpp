@@ -189,9 +189,10 @@ Answer Api::mend(const Call& call) {
                                                             .subject = id,
                                                             .before = std::to_string(*order.line_version),
                                                             .after = order.why});
-    if (!put) return answer_of(put.error());
+    if (!put) return unlogged("the line of " + id + " is mended", put.error());
     if (Result<memory::Evidence> now = evidence::of_folder(rooms_.results / id); now && *written) {
-      if (const auto kept = rooms_.memory.put_evidence(id, *now); !kept) return answer_of(kept.error());
+      if (const auto kept = rooms_.memory.put_evidence(id, *now); !kept)
+        return unlogged("the line of " + id + " is mended", kept.error());
     }
     if (rooms_.publish) rooms_.publish("scan", to_json(**row));
     return ok(to_json(**row));

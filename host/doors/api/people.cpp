@@ -73,15 +73,21 @@ Answer log_in(Accounts& accounts, const Request& request) {
     if (!*tried) return control::refusal(401, "wrong_password", "name and password do not fit");
     login = std::move(**tried);
   }
-  return ok({{"token", login->token},
-             {"expires", memory::to_iso(login->expires)},
-             {"user", {{"name", login->person.name}, {"role", accounts::to_text(login->person.role)}}}},
-            201);
+  Json session{{"token", login->token},
+               {"expires", memory::to_iso(login->expires)},
+               {"user", {{"name", login->person.name}, {"role", accounts::to_text(login->person.role)}}}};
+  if (login->not_kept)
+    session["not_kept"] =
+        "this login stands in no log, and a restart of the service ends it: " + to_line(*login->not_kept);
+  return ok(std::move(session), 201);
 }
 
 Answer log_out(Accounts& accounts, const Request& request) {
   const Result<void> done = accounts.log_out(request.token, request.door);
-  return done ? nothing() : answer_of(done.error());
+  return done
+             ? nothing()
+             : unlogged("you are logged out until the service restarts, and then for good once there is room",
+                        done.error());
 }
 
 Answer read_me(const Accounts& accounts, const Request& request, const Person& person) {

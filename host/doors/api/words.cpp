@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cerrno>
 #include <charconv>
 
 #include "common/core/text.hpp"
@@ -13,6 +14,13 @@ namespace {
 
 Answer bad_request(const std::string& message) {
   return control::refusal(400, "bad_request", message);
+}
+
+/// A folder or a name of a file needs room, too: what made it says only that it cannot be written.
+bool is_full_disk(const Error& error) {
+  const int fault = error.sys_errno;
+  return error.code == Errc::DiskFull ||
+         (error.code == Errc::WriteFailed && (fault == ENOSPC || fault == EDQUOT || fault == EFBIG));
 }
 
 std::optional<std::int64_t> number_of(const std::string& text) {
@@ -39,6 +47,7 @@ Answer nothing() {
 Answer answer_of(const Error& error) {
   // Who may not, is told so by its own words: those of the code are of a sensor's threads.
   const std::string line = error.code == Errc::NoRights ? std::string{error.where.view()} : to_line(error);
+  if (is_full_disk(error)) return control::refusal(507, "disk_full", line);
   switch (error.code) {
     case Errc::FileNotFound:
       return control::refusal(404, "not_found", line);
@@ -59,6 +68,13 @@ Answer answer_of(const Error& error) {
     default:
       return control::refusal(500, "internal", line);
   }
+}
+
+Answer unlogged(const std::string& done, const Error& error) {
+  Answer answer = answer_of(error);
+  Json& message = answer.body["error"]["message"];
+  message = done + "; that could not be noted: " + message.get<std::string>();
+  return answer;
 }
 
 // Round brackets: in braces nlohmann makes a list of one.

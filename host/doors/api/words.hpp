@@ -19,8 +19,10 @@ using control::Json;
 [[nodiscard]] Answer ok(Json body, int status = 200);
 [[nodiscard]] Answer nothing();  ///< 204
 /// The status and code of the API for an Error: what is missing is 404, wrong state 409, bad input 400, a
-/// full disk or a broken file 500.
+/// full disk 507, a broken file 500.
 [[nodiscard]] Answer answer_of(const Error& error);
+/// Where something was done, and only the memory could not keep it: what was done first, then why.
+[[nodiscard]] Answer unlogged(const std::string& done, const Error& error);
 
 /// A body's fields, read strictly: each fault is collected, unknown fields are faults.
 class Fields {

@@ -4,6 +4,7 @@
 #include <sqlite3.h>
 #include <sys/stat.h>
 
+#include <cerrno>
 #include <string>
 
 namespace biteline::memory {
@@ -12,10 +13,14 @@ namespace {
 /// Another program's short reading (a backup by hand) is waited for.
 constexpr int k_busy_ms = 2000;
 
+/// Called at once after the call that failed, before which errno was 0.
 tl::unexpected<Error> failure(sqlite3* database, int code, const std::string& what) {
   const int primary = code & 0xff;
-  const int sys_errno = database != nullptr ? sqlite3_system_errno(database) : 0;
-  if (primary == SQLITE_FULL) return fail_errno(Errc::DiskFull, sys_errno, "%.180s", what.c_str());
+  const int sys_errno = errno;
+  // A quota and a limit on a file's size are told as faults of the device; SQLite does not say which.
+  const bool no_room = sys_errno == ENOSPC || sys_errno == EDQUOT || sys_errno == EFBIG;
+  if (primary == SQLITE_FULL || (no_room && (primary == SQLITE_IOERR || primary == SQLITE_CANTOPEN)))
+    return fail_errno(Errc::DiskFull, sys_errno, "%.180s", what.c_str());
   const char* const words = database != nullptr ? sqlite3_errmsg(database) : sqlite3_errstr(code);
   Errc errc = Errc::WriteFailed;
   if (primary == SQLITE_CORRUPT || primary == SQLITE_NOTADB) errc = Errc::BadFormat;
@@ -67,6 +72,7 @@ Statement& Statement::bind_null() {
 Result<bool> Statement::step() {
   sqlite3* const database = sqlite3_db_handle(statement_.get());
   if (worst_ != SQLITE_OK) return failure(nullptr, worst_, "memory: a value cannot be bound");
+  errno = 0;
   const int code = sqlite3_step(statement_.get());
   if (code == SQLITE_ROW) return true;
   if (code == SQLITE_DONE) return false;
@@ -124,6 +130,7 @@ Result<Database> Database::open(const std::filesystem::path& file, Access access
   // Passwords' hashes stand in it.
   const mode_t before = ::umask(0077);
   sqlite3* handle = nullptr;
+  errno = 0;
   const int code = sqlite3_open_v2(file.c_str(), &handle, flags | SQLITE_OPEN_NOMUTEX, nullptr);
   Database database{handle, file};
   if (code != SQLITE_OK) {
@@ -145,6 +152,7 @@ Result<Database> Database::open(const std::filesystem::path& file, Access access
 
 Result<Statement> Database::prepare(std::string_view sql) {
   sqlite3_stmt* statement = nullptr;
+  errno = 0;
   const int code =
       sqlite3_prepare_v2(database_.get(), sql.data(), static_cast<int>(sql.size()), &statement, nullptr);
   if (code != SQLITE_OK) return failure(database_.get(), code, file_.string());
@@ -152,6 +160,7 @@ Result<Statement> Database::prepare(std::string_view sql) {
 }
 
 Result<void> Database::execute(const std::string& sql) {
+  errno = 0;
   const int code = sqlite3_exec(database_.get(), sql.c_str(), nullptr, nullptr, nullptr);
   if (code != SQLITE_OK) return failure(database_.get(), code, file_.string());
   return {};
@@ -179,6 +188,7 @@ Result<void> Database::copy_to(const std::filesystem::path& target) {
   sqlite3_backup* backup = sqlite3_backup_init(copy.database_.get(), "main", database_.get(), "main");
   if (backup == nullptr)
     return failure(copy.database_.get(), sqlite3_errcode(copy.database_.get()), target.string());
+  errno = 0;
   // All pages in one step: no writer of another process comes between.
   sqlite3_backup_step(backup, -1);
   const int code = sqlite3_backup_finish(backup);

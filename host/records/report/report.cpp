@@ -72,8 +72,9 @@ Result<void> write_file_atomically(const fs::path& file, const std::string& text
   if (out == nullptr) return fail_errno(Errc::WriteFailed, errno, "%s", beside.c_str());
   const bool written = std::fwrite(text.data(), 1, text.size(), out) == text.size() &&
                        std::fflush(out) == 0 && ::fsync(::fileno(out)) == 0;
-  const int write_errno = written ? 0 : errno;
-  if (std::fclose(out) != 0 || !written) {
+  int write_errno = written ? 0 : errno;
+  if (std::fclose(out) != 0 && written) write_errno = errno;
+  if (write_errno != 0) {
     std::error_code ignored;
     fs::remove(beside, ignored);
     return fail_errno(write_errno == ENOSPC ? Errc::DiskFull : Errc::WriteFailed, write_errno, "%s",

@@ -12,6 +12,11 @@ export interface Me {
   control?: boolean;
   local?: boolean;
 }
+export interface Session {
+  expires: string;
+  user: Me;
+  not_kept?: string;
+}
 export interface Control {
   holder: string | null;
   door?: string;

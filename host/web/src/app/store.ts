@@ -2,7 +2,18 @@
 // What the page knows of the cell; events keep it fresh, and the link comes back by itself.
 import { useEffect, useState } from 'preact/hooks';
 import { locale, set_zone, t, t_or, time_zone } from '../words';
-import { type Me, Refused, type Role, type ScanRow, type Sensor, type State, base, call, roles } from './api';
+import {
+  type Me,
+  Refused,
+  type Role,
+  type ScanRow,
+  type Sensor,
+  type Session,
+  type State,
+  base,
+  call,
+  roles,
+} from './api';
 import type { FleetState } from './fleet_api';
 
 export interface Told {
@@ -154,15 +165,17 @@ export async function read_state(): Promise<void> {
 }
 
 export async function log_in(body: Record<string, unknown>): Promise<void> {
-  await call('POST', '/sessions', { ...body, cookie: true });
+  const session = await call<Session>('POST', '/sessions', { ...body, cookie: true });
+  if (session.not_kept) tell(`${t('login_not_kept')} (${session.not_kept})`, true);
   await read_me();
 }
 
 export async function log_out(): Promise<void> {
   try {
     await call('DELETE', '/sessions');
-  } catch {
+  } catch (error) {
     // Without an answer the page forgets it all the same; the session ends by its time.
+    if (error instanceof Refused && error.code === 'disk_full') tell(words_of(error), true);
   }
   mark_session(false);
   socket?.close();

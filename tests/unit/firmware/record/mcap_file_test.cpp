@@ -2,11 +2,9 @@
 /// \file A live scan as one MCAP file: what is in it, and what is left of it when it is cut or the disk is
 /// full.
 #include <CppUTest/TestHarness.h>
-#include <sys/resource.h>
 
 #include <algorithm>
 #include <chrono>
-#include <csignal>
 #include <map>
 #include <random>
 #include <thread>
@@ -15,6 +13,7 @@
 #include "common/mcap/verify.hpp"
 #include "firmware/record/session_recorder.hpp"
 #include "tests/support/errors.hpp"
+#include "tests/support/full_disk.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace biteline::record {
@@ -54,26 +53,6 @@ Read read(const std::filesystem::path& file) {
   all.damage = end->damage;
   return all;
 }
-
-/// No file of this program may grow beyond that, as on a full disk.
-class FullDisk {
- public:
-  explicit FullDisk(rlim_t bytes) : signal_{std::signal(SIGXFSZ, SIG_IGN)} {
-    getrlimit(RLIMIT_FSIZE, &before_);
-    const rlimit limit{.rlim_cur = bytes, .rlim_max = before_.rlim_max};
-    setrlimit(RLIMIT_FSIZE, &limit);
-  }
-  FullDisk(const FullDisk&) = delete;
-  FullDisk& operator=(const FullDisk&) = delete;
-  ~FullDisk() {
-    setrlimit(RLIMIT_FSIZE, &before_);
-    std::signal(SIGXFSZ, signal_);
-  }
-
- private:
-  rlimit before_{};
-  void (*signal_)(int);
-};
 
 }  // namespace
 
@@ -178,7 +157,7 @@ TEST(McapFile, CutFileGivesAllBeforeTheCut) {
 }
 
 TEST(McapFile, FullDiskEndsTheFileAndWhatWasWrittenIsRead) {
-  const FullDisk full{3U << 20U};
+  const test::FullDisk full{3U << 20U};
   recorder->keep_message(hello);
   for (int i = 0; i < 60; ++i) keep(i);
   finish();

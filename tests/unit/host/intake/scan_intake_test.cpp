@@ -2,14 +2,13 @@
 #include "host/intake/scan_intake.hpp"
 
 #include <CppUTest/TestHarness.h>
-#include <sys/resource.h>
 #include <sys/stat.h>
 
-#include <csignal>
 #include <fstream>
 
 #include "host/intake/recorded_scan.hpp"
 #include "tests/support/errors.hpp"
+#include "tests/support/full_disk.hpp"
 #include "tests/support/made_profile.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -33,25 +32,6 @@ Hello made_hello() {
   hello.sensor.model.T_flange_cam.translation() = Vec3{1, 2, 3};
   return hello;
 }
-
-/// The disk as full for this process: files may not grow beyond a size.
-class SmallDisk {
- public:
-  explicit SmallDisk(rlim_t size_bytes) {
-    getrlimit(RLIMIT_FSIZE, &before_);
-    const rlimit small{.rlim_cur = size_bytes, .rlim_max = before_.rlim_max};
-    handler_ = std::signal(SIGXFSZ, SIG_IGN);
-    setrlimit(RLIMIT_FSIZE, &small);
-  }
-  ~SmallDisk() {
-    setrlimit(RLIMIT_FSIZE, &before_);
-    std::signal(SIGXFSZ, handler_);
-  }
-
- private:
-  rlimit before_{};
-  void (*handler_)(int){nullptr};
-};
 
 }  // namespace
 
@@ -248,7 +228,7 @@ TEST(ScanIntake, FullDiskIsToldAndLeavesAWholeFile) {
   profile::Profile profile = test::made_profile(1, 20);
   const wire::Bytes packet = packet_of(profile, 1);
   {
-    const SmallDisk full{before_bytes + 100};
+    const test::FullDisk full{before_bytes + 100};
     FAILS_NAMING(Errc::DiskFull, "scan.btln",
                  sut.take(ProfileEvent{.sequence = 1, .profile = profile}, packet));
   }

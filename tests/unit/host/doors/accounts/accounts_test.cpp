@@ -5,6 +5,7 @@
 
 #include "host/doors/accounts/secrets.hpp"
 #include "tests/support/errors.hpp"
+#include "tests/support/full_disk.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace biteline::accounts {
@@ -213,6 +214,49 @@ TEST(Accounts, NobodyIsCalledAsAProgramOrTheCentre) {
     FAILS_NAMING(Errc::InvalidArgument, name, sut.add(name, Role::Administrator, k_password, "x", "web"));
   }
   SUCCEEDS(sut.add("hosts", Role::Administrator, k_password, "x", "web"));
+}
+
+/// Whoever shall make room on a full disk has to get in first.
+TEST(Accounts, AFullDiskKeepsNobodyOut) {
+  add_admin();
+  const std::string kept = token_of("ada");
+  std::string token;
+  {
+    const test::FullDisk full;
+    const auto wrong = sut.log_in("ada", "my wrong password", "web");
+    SUCCEEDS(wrong);
+    CHECK(!wrong->has_value());
+    const auto login = sut.log_in("ada", k_password, "web");
+    SUCCEEDS(login);
+    CHECK(login->has_value());
+    CHECK((*login)->not_kept.has_value());
+    STRCMP_CONTAINS("disk full", to_line(*(*login)->not_kept).c_str());
+    CHECK((*login)->not_kept->code == Errc::DiskFull);
+    token = (*login)->token;
+    CHECK(sut.who_is(token)->has_value());
+    CHECK(sut.known(token).has_value());
+    // Whose session stands in the memory leaves here, and is told what a restart would do.
+    FAILS_NAMING(Errc::DiskFull, "", sut.log_out(kept, "web"));
+    CHECK(!sut.who_is(kept)->has_value());
+    CHECK(!sut.known(kept).has_value());
+    CHECK(Accounts{*memory}.who_is(kept)->has_value());
+    // And another such session, which the memory never had, leaves for good.
+    const auto second = sut.log_in("ada", k_password, "web");
+    SUCCEEDS(sut.log_out((*second)->token, "web"));
+    CHECK(!sut.who_is((*second)->token)->has_value());
+  }
+  // It lives on here, and not in a program that begins anew.
+  CHECK(sut.who_is(token)->has_value());
+  CHECK(!Accounts{*memory}.who_is(token)->has_value());
+  // The next login that finds room makes up for what was not kept.
+  const auto login = sut.log_in("ada", k_password, "web");
+  SUCCEEDS(login);
+  CHECK(!(*login)->not_kept);
+  CHECK(!Accounts{*memory}.who_is(kept)->has_value());
+  // An account that is closed takes such a session with it.
+  SUCCEEDS(sut.add("bob", Role::Administrator, k_password, "ada", "web"));
+  SUCCEEDS(sut.change("ada", {.role = {}, .password = {}, .enabled = false}, "bob", "web"));
+  CHECK(!sut.who_is(token)->has_value());
 }
 
 }  // namespace biteline::accounts
