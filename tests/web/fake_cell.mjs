@@ -139,6 +139,7 @@ export class FakeCell {
       row('scan-0002', 'ok', 'automatic', { sent: true, followed: true }),
       row('scan-0001', 'ok', 'accepted', { decided_by: 'anna' }),
     ];
+    this.trends = [...Array(10).keys()].map((i) => ({ time: new Date(Date.UTC(2026, 10, 10 + i)).toISOString(), scans: 20 + i, ok: 16 + i, amber: 2, review: 0, refused: 1, failed: 1, cycle_s: 30 + Math.sin(i), u95_mm: 0.3 + 0.02 * i, length_mm: 640 }));
     this.models = [{ name: 'runner-42', time: '2026-11-19T09:00:00Z', scan: 'scan-0001', process: 'rough', size: 'EU 42', foot: 'left', version: 1, length_mm: 640.1, scans: 12 }];
     this.users = [
       { name: 'anna', role: 'administrator', enabled: true, made: '2026-11-01T08:00:00Z', last_login: '2026-11-20T08:00:00Z' },
@@ -448,9 +449,8 @@ export class FakeCell {
     if (path.startsWith('/users/')) return [200, Object.assign(this.users.find((user) => `/users/${user.name}` === path) ?? {}, given)];
     if (path === '/log') return [200, { entries: [{ seq: 2, time: '2026-11-20T10:01:00Z', who: 'anna', door: 'web', what: 'accept', subject: 'scan-0001', before: { decision: 'open' }, after: { decision: 'accepted' } }], next: null }];
     if (path === '/history/trends') {
-      const buckets = [...Array(10).keys()].map((i) => ({ time: new Date(Date.UTC(2026, 10, 10 + i)).toISOString(), scans: 20 + i, ok: 16 + i, amber: 2, review: 0, refused: 1, failed: 1, cycle_s: 30 + Math.sin(i), u95_mm: 0.3 + 0.02 * i, length_mm: 640 }));
       const places = [...Array(36).keys()];
-      return [200, { buckets, reasons: [{ reason_code: 'no_crease', scans: 6 }, { reason_code: 'not_a_shoe', scans: 4 }], capability: { model: 'runner-42', tolerance_mm: 0.5, scans: 90, pp: places.map((i) => 1.8 + 0.2 * Math.sin(i)), ppk: places.map((i) => 1.5 + 0.3 * Math.sin(i)) } }];
+      return [200, { buckets: this.trends, reasons: [{ reason_code: 'no_crease', scans: 6 }, { reason_code: 'not_a_shoe', scans: 4 }], capability: { model: 'runner-42', tolerance_mm: 0.5, scans: 90, pp: places.map((i) => 1.8 + 0.2 * Math.sin(i)), ppk: places.map((i) => 1.5 + 0.3 * Math.sin(i)) } }];
     }
     return fail(404, 'not_found', `${path}: no such thing`);
   }

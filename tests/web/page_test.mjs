@@ -631,6 +631,38 @@ await cell.stop();
 await cell.listen(cell.port);
 await anna.page.getByRole('button', { name: 'Log in' }).waitFor();
 
+say('trends of one day: an axis of that day, and figures without a pointer');
+{
+  const whole = cell.trends;
+  cell.trends = whole.slice(-1);
+  const one = await open(browser);
+  await one.context.addCookies(await otto.context.cookies());
+  await one.context.addInitScript(() => {
+    localStorage.setItem('biteline_session', '1');
+    // What an axis says is painted, and stands nowhere else.
+    globalThis.painted = [];
+    const paint = CanvasRenderingContext2D.prototype.fillText;
+    CanvasRenderingContext2D.prototype.fillText = function (text, ...place) {
+      globalThis.painted.push(text);
+      return paint.call(this, text, ...place);
+    };
+  });
+  await one.page.goto(`${address}#/scans`);
+  await one.page.locator('.chart').first().locator('.u-legend').waitFor();
+  const painted = await one.page.evaluate(() => globalThis.painted);
+  const days = [...new Set(painted.filter((text) => /^\d{1,2} [A-Z][a-z]+$/.test(text)))];
+  check(days.length > 0 && days.every((day) => ['18 Nov', '19 Nov', '20 Nov'].includes(day)), `days of one day: ${days}`);
+  check(painted.some((text) => /^\d{2}:\d{2}$/.test(text)), `no hours of one day: ${painted.slice(0, 20)}`);
+  const legend = await one.page.locator('.chart').first().locator('.u-legend').innerText();
+  check(/19 Nov 2026/.test(legend) && /\d{2}(\.\d+)?\s*$/.test(legend), `legend without a pointer: ${legend}`);
+  await one.page.locator('.chart').first().locator('.u-over').hover();
+  await one.page.mouse.move(0, 0);
+  const after = await one.page.locator('.chart').first().locator('.u-legend').innerText();
+  check(after === legend, `legend when the pointer is gone: ${after}`);
+  await one.context.close();
+  cell.trends = whole;
+}
+
 say('a one-time token');
 const vera = await open(browser);
 await vera.page.goto(`${address}#token=one-time`);

@@ -148,27 +148,44 @@ function theme_colour(name: string): string {
   return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 }
 
-/// Days where the axis spans days, else hours and minutes.
+function day_words(time: Date): string {
+  return time.toLocaleDateString(locale(), { day: 'numeric', month: 'short', timeZone: time_zone() });
+}
+
+/// Days where the axis spans days; else hours and minutes, and below them the day that begins there.
 function date_words(times_s: number[]): string[] {
-  const spans_days = times_s.length > 1 && times_s[times_s.length - 1]! - times_s[0]! > 2 * 86_400;
-  return times_s.map((time_s) => {
-    const time = new Date(1000 * time_s);
-    return spans_days
-      ? time.toLocaleDateString(locale(), { day: 'numeric', month: 'short', timeZone: time_zone() })
-      : time.toLocaleTimeString(locale(), {
-          hour: '2-digit',
-          minute: '2-digit',
-          second: '2-digit',
-          timeZone: time_zone(),
-        });
+  const times = times_s.map((time_s) => new Date(1000 * time_s));
+  const step_s = times_s.length > 1 ? times_s[1]! - times_s[0]! : 60;
+  if (step_s * (times_s.length - 1) > 2 * 86_400) return times.map(day_words);
+  let day = '';
+  return times.map((time) => {
+    const words = time.toLocaleTimeString(locale(), {
+      hour: '2-digit',
+      minute: '2-digit',
+      second: step_s < 60 ? '2-digit' : undefined,
+      timeZone: time_zone(),
+    });
+    const begins = day !== day_words(time);
+    day = day_words(time);
+    return begins ? `${words}\n${day}` : words;
   });
 }
 
-/// One point alone stands in the middle of a day, or between its neighbours.
+/// A time of the legend.
+function moment_words(time_s: number): string {
+  return new Date(1000 * time_s).toLocaleString(locale(), {
+    dateStyle: 'medium',
+    timeStyle: 'short',
+    timeZone: time_zone(),
+  });
+}
+
+/// One point alone stands in the middle of a day, or between its neighbours.  uPlot's own span of it is years.
 function around(plot: uPlot, low: number, high: number): [number, number] {
-  if (low !== high) return [low, high];
+  const x = plot.data[0];
+  if (x.length !== 1) return [low, high];
   const half = plot.scales.x!.time ? 43_200 : 1;
-  return [low - half, high + half];
+  return [x[0]! - half, x[0]! + half];
 }
 
 export interface Curve {
@@ -194,6 +211,7 @@ export function Chart(props: {
       grid: { stroke: theme_colour('--edge'), width: 0.5 },
       ticks: { stroke: theme_colour('--edge') },
     };
+    const newest = props.x.length - 1;
     const plot = new uPlot(
       {
         width: Math.max(280, box.current.clientWidth),
@@ -201,7 +219,9 @@ export function Chart(props: {
         scales: { x: { time: props.is_time ?? true, range: around } },
         axes: [props.is_time === false ? axis : { ...axis, values: (_, times) => date_words(times) }, axis],
         series: [
-          { label: props.is_time === false ? t('place') : t('time') },
+          props.is_time === false
+            ? { label: t('place') }
+            : { label: t('time'), value: (_, time_s) => (time_s == null ? '–' : moment_words(time_s)) },
           ...props.curves.map((curve) => ({
             label: curve.label,
             stroke: theme_colour(curve.colour),
@@ -210,10 +230,13 @@ export function Chart(props: {
             points: { show: props.x.length < 60 },
           })),
         ],
+        // Where nobody points at a value, the newest one is told.
+        hooks: { setCursor: [(self) => self.cursor.idx == null && self.setLegend({ idx: newest }, false)] },
       },
       [props.x, ...props.curves.map((curve) => curve.values)],
       box.current,
     );
+    plot.setLegend({ idx: newest }, false);
     const watcher = new ResizeObserver(() => {
       if (box.current) plot.setSize({ width: Math.max(280, box.current.clientWidth), height: 220 });
     });
