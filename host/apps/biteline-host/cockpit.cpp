@@ -270,16 +270,20 @@ robot::StopMark Cockpit::going() const {
 std::optional<robot::StopMark> Cockpit::begin_cycle() {
   const std::lock_guard lock{mutex_};
   if (paused_ || go_.stopped()) return std::nullopt;
-  const Clock::time_point now = Clock::now();
-  if (cycle_begun_) last_cycle_s_ = std::chrono::duration<double>(now - *cycle_begun_).count();
-  cycle_begun_ = now;
+  if (const std::optional<double> whole_s = cycle_s_locked()) last_cycle_s_ = whole_s;
+  this_cycle_ = Cycle{.begun = Clock::now(), .mark = go_};
   if (cycle_.on_demand()) paused_ = true;
   return go_;
 }
 
-double Cockpit::cycle_s() const {
+std::optional<double> Cockpit::cycle_s() const {
   const std::lock_guard lock{mutex_};
-  return cycle_begun_ ? std::chrono::duration<double>(Clock::now() - *cycle_begun_).count() : 0;
+  return cycle_s_locked();
+}
+
+std::optional<double> Cockpit::cycle_s_locked() const {
+  if (!this_cycle_ || this_cycle_->mark.stopped()) return std::nullopt;
+  return std::chrono::duration<double>(Clock::now() - this_cycle_->begun).count();
 }
 
 void Cockpit::hold(const std::string& scan, Wait wait, std::optional<double> fresh_s,

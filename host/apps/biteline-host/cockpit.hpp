@@ -124,8 +124,9 @@ class Cockpit final : public api::Cell {
   void hear(const Result<robot::ur::ControllerWords>& words, const std::string& wrong);
   /// What the factory's centre says of this cell's shoes; empty: it has them all.
   void show_centre(const std::string& words);
-  /// A cycle goes from one asking for a scan to the next.  On demand this scan is the last until the next
-  /// start.  The mark of the start that it comes of; nothing: somebody has said stop, no scan is asked for.
+  /// A cycle goes from one asking for a scan to the next, and is none where somebody said stop in between.
+  /// On demand this scan is the last until the next start.  The mark of the start that it comes of; nothing:
+  /// somebody has said stop, no scan is asked for.
   [[nodiscard]] std::optional<robot::StopMark> begin_cycle();
   /// On demand, and nobody has started.
   [[nodiscard]] bool waits_for_start() const;
@@ -133,7 +134,8 @@ class Cockpit final : public api::Cell {
   void give_up_start();
   /// This row is the scan's last.
   void end_cycle(const memory::Scan& scan);
-  [[nodiscard]] double cycle_s() const;
+  /// Of the cycle that goes on; nothing: none does, or somebody has said stop since it began.
+  [[nodiscard]] std::optional<double> cycle_s() const;
   /// What a held scan waits for.
   enum class Wait { Word, Mend, Model };
   /// The scan waits for a person until its name is empty again; only one that waits for a word can be
@@ -272,7 +274,12 @@ class Cockpit final : public api::Cell {
   std::string robot_wrong_;
   bool robot_asked_{false};
   std::optional<std::string> centre_{};  ///< nothing: no centre has ever said anything
-  std::optional<Clock::time_point> cycle_begun_{};
+  struct Cycle {
+    Clock::time_point begun;
+    robot::StopMark mark;  ///< of when it began
+  };
+  [[nodiscard]] std::optional<double> cycle_s_locked() const;
+  std::optional<Cycle> this_cycle_{};
   std::optional<double> last_cycle_s_{};
   Clock::time_point published_{};
   std::unique_ptr<RerunWorker> reruns_;      ///< tells the server when one is done

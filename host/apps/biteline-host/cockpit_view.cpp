@@ -123,22 +123,18 @@ Json Cockpit::state_locked() const {
   if (centre_)
     lamps["centre"] = centre_->empty() ? lamp("ok", "reads every shoe") : lamp("warning", *centre_);
   const bool simulated = hello_ && hello_->simulated;
-  Json state{
-      {"version", BITELINE_VERSION},
-      {"simulated", simulated},
-      {"phase", k_phases.at(static_cast<std::size_t>(phase_))},
-      {"now", now_},
-      {"next", next_},
-      {"scan", api::or_null(scan_)},
-      {"progress", api::or_null(progress_)},
-      {"lamps", std::move(lamps)},
-      {"cycle",
-       {{"this_s",
-         cycle_begun_ ? Json(std::chrono::duration<double>(Clock::now() - *cycle_begun_).count()) : Json{}},
-        {"last_s", api::or_null(last_cycle_s_)}}},
-      {"model", nullptr},
-      {"process", api::or_null(process_.name)},
-      {"process_by", api::or_null(process_.by)}};
+  Json state{{"version", BITELINE_VERSION},
+             {"simulated", simulated},
+             {"phase", k_phases.at(static_cast<std::size_t>(phase_))},
+             {"now", now_},
+             {"next", next_},
+             {"scan", api::or_null(scan_)},
+             {"progress", api::or_null(progress_)},
+             {"lamps", std::move(lamps)},
+             {"cycle", {{"this_s", api::or_null(cycle_s_locked())}, {"last_s", api::or_null(last_cycle_s_)}}},
+             {"model", nullptr},
+             {"process", api::or_null(process_.name)},
+             {"process_by", api::or_null(process_.by)}};
   state["held"] = held_json_locked();
   state["day"] = {{"zone", memory::time_zone()}, {"begin", config_.day.begin()}};
   if (stopped_) show_stopped_locked(state);

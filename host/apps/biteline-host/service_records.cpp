@@ -63,7 +63,7 @@ void Service::remember(const fs::path& folder, const std::string& decision, cons
   // Nothing was approved where nothing was sent.
   if (decision == "automatic" && !row->sent) row->decision = "open";
   if (row->decision == "automatic") row->decided_by = "automatic";
-  if (const double cycle_s = cockpit_->cycle_s(); cycle_s > 0) row->cycle_s = cycle_s;
+  row->cycle_s = cockpit_->cycle_s();
   row->process = chosen.process_name;
   row->model = chosen.model;
   if (chosen.probability > 0) row->model_probability = chosen.probability;

@@ -336,6 +336,32 @@ TEST(CockpitStop, OfManyWordsAtOnceOneCounts) {
   }
 }
 
+/// How long a cell stands still says nothing of a shoe.
+TEST(CockpitStop, ACycleThatAStopFellIntoIsNoCycleTime) {
+  using namespace std::chrono_literals;
+  open();
+  CHECK(!sut->cycle_s());
+  CHECK(sut->begin_cycle().has_value());
+  std::this_thread::sleep_for(20ms);
+  CHECK(sut->begin_cycle().has_value());
+  const double last_s = sut->state()["cycle"]["last_s"].get<double>();
+  CHECK(last_s >= 0.02);
+  CHECK(sut->cycle_s().has_value());
+  for (const auto& stop : std::vector<std::function<void()>>{
+           [&] { sut->stop("ada"); }, [&] { sut->laser_off("ada"); }, [&] { sut->taken_at_the_pendant(); }}) {
+    stop();
+    CHECK(!sut->cycle_s());
+    CHECK(sut->state()["cycle"]["this_s"].is_null());
+    std::this_thread::sleep_for(20ms);
+    SUCCEEDS(sut->start({}, {"ada", stops.count()}));
+    CHECK(!sut->cycle_s());
+    CHECK(sut->begin_cycle().has_value());
+    CHECK(sut->cycle_s().has_value());
+    // The last one is still that of the last whole one.
+    DOUBLES_EQUAL(last_s, sut->state()["cycle"]["last_s"].get<double>(), 0);
+  }
+}
+
 /// Whatever the threads' order: after the last stop nothing is alive that was said before it.
 TEST(CockpitStop, StopsAndOrdersOfManyThreadsLeaveNothingThatWasSaidBefore) {
   open();
