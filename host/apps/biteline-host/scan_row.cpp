@@ -48,10 +48,26 @@ void take_refusal(const Json& report, memory::Scan& scan, const char* verdict = 
   scan.next_step = text_of(report, "next_step");
 }
 
+/// Whose yes a path was sent by: a person's, at a door or at the start, or nobody's.
+void take_word(const Json& inputs, memory::Scan& scan) {
+  const auto part = [&](const char* key) {
+    const Json found = inputs.value(key, Json{});
+    return found.is_object() ? found : Json::object();
+  };
+  const std::string approved = text_of(part("result"), "approved_by");
+  const Json word = part("scan").value("confirmed", Json{});
+  if (word.is_object()) scan.decided_by = text_of(word, "by");
+  if (scan.decided_by.empty() && !approved.starts_with(k_automatic))
+    scan.decided_by = approved.substr(0, approved.find(", "));
+  scan.decision = scan.decided_by.empty() ? k_automatic : "accepted";
+}
+
 /// What the gate said no to first.
 void take_gate(const Json& gate, memory::Scan& scan) {
   const auto permitted = gate.find("permitted");
   scan.sent = permitted != gate.end() && permitted->is_boolean() && permitted->get<bool>();
+  if (const auto inputs = gate.find("inputs"); scan.sent && inputs != gate.end() && inputs->is_object())
+    take_word(*inputs, scan);
   const auto rows = gate.find("rows");
   if (scan.sent || rows == gate.end() || !rows->is_array()) return;
   for (const Json& row : *rows) {

@@ -9,8 +9,13 @@
 
 namespace biteline::service {
 
+/// The decision on a shoe that was worked without a person's yes; it stands at the head of the gate's words
+/// for it.
+inline constexpr const char* k_automatic = "automatic";
+
 /// Nothing where there is no report.json (yet).  Of report.json, line.csv, path/report.json, gate.json and
-/// followed.json: verdict, reason, figures, sent, followed.  The time is report.json's.
+/// followed.json: verdict, reason, figures, sent, followed, and whose yes it was sent by.  The time is
+/// report.json's.
 [[nodiscard]] std::optional<memory::Scan> row_of(const std::filesystem::path& folder);
 
 /// Rows for finished scans that the memory does not know: of before it was there, or of when the disk was

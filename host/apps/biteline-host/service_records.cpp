@@ -46,11 +46,12 @@ void Service::remember(const fs::path& folder, const std::string& decision, cons
     row->reason = *changed;
     row->next_step = told.next_step;
   }
-  row->decision = decision;
+  // What was sent says itself whose yes it went by.
+  if (!row->sent || decision == "accepted") row->decision = decision;
   bool still_held = decision == "held";
   if (before && *before) {
     // A person's word stands.
-    row->decided_by = (*before)->decided_by;
+    if (!(*before)->decided_by.empty()) row->decided_by = (*before)->decided_by;
     row->decided_at = (*before)->decided_at;
     row->why = (*before)->why;
     if ((*before)->decision == "rejected") {
@@ -60,9 +61,6 @@ void Service::remember(const fs::path& folder, const std::string& decision, cons
     // A yes that the stop came after.
     if (after.stopped && (*before)->decision == "accepted") row->decision = "accepted";
   }
-  // Nothing was approved where nothing was sent.
-  if (decision == "automatic" && !row->sent) row->decision = "open";
-  if (row->decision == "automatic") row->decided_by = "automatic";
   row->cycle_s = cockpit_->cycle_s();
   row->process = chosen.process_name;
   row->model = chosen.model;

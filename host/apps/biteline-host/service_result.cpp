@@ -43,13 +43,7 @@ void Service::close_result(const fs::path& folder, Chosen chosen) {
   } else {
     complain(now.error());
   }
-  std::string decision = "open";
-  if (waits()) {
-    decision = "held";
-  } else if (robot_ && process_of(chosen).gate.automatic_above) {
-    decision = "automatic";
-  }
-  remember(folder, decision, chosen, {});
+  remember(folder, waits() ? "held" : "open", chosen, {});
   if (const Result<void> room = make_room(); !room) complain(room.error());
 }
 

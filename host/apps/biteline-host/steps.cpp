@@ -10,6 +10,7 @@
 
 #include "common/core/fixed_text.hpp"
 #include "host/apps/biteline-host/refused.hpp"
+#include "host/apps/biteline-host/scan_row.hpp"
 #include "host/apps/biteline-host/service_words.hpp"
 #include "host/calibration/consistency/picture_check.hpp"
 #include "host/cloud/ply.hpp"
@@ -146,7 +147,7 @@ robot::GateInputs gate_inputs(const PlanStep& plan, const SendRequest& request) 
   } else if (process.gate.approval && !needs_a_person(process.gate, request.confidence)) {
     inputs.result.approved = true;
     inputs.result.approved_by =
-        std::string{FixedText<80>::format("automatic, confidence %.3f", request.confidence).view()};
+        std::string{FixedText<80>::format("%s, confidence %.3f", k_automatic, request.confidence).view()};
   }
   return inputs;
 }

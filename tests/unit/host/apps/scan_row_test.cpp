@@ -89,6 +89,27 @@ TEST(ScanRow, WhatTheArmDidIsTold) {
   STRCMP_EQUAL("off_path", row()->reason_code.c_str());
 }
 
+TEST(ScanRow, WhatWasSentTellsWhoseYesItWentBy) {
+  folder.write("scan-0001/report.json", k_good);
+  const auto decided = [&](const std::string& inputs) {
+    folder.write("scan-0001/gate.json", R"({"permitted":true,"rows":[],"inputs":)" + inputs + "}");
+    return row()->decision + ", " + row()->decided_by;
+  };
+  // A process that asks nobody, and a line that is sure enough.
+  STRCMP_EQUAL("automatic, ", decided(R"({"scan":{},"result":{}})").c_str());
+  STRCMP_EQUAL(
+      "automatic, ",
+      decided(R"({"result":{"approved":true,"approved_by":"automatic, confidence 0.991"}})").c_str());
+  STRCMP_EQUAL("accepted, ada", decided(R"({"result":{"approved_by":"ada, 2026-11-28T10:00:00Z"}})").c_str());
+  // --confirm at the start.
+  STRCMP_EQUAL("accepted, bob", decided(R"({"scan":{"confirmed":{"by":"bob","at":"now"}}})").c_str());
+  // What was not sent is still open, whoever said what.
+  folder.write("scan-0001/gate.json",
+               R"({"permitted":false,"inputs":{"result":{"approved_by":"ada, now"}}})");
+  STRCMP_EQUAL("open", row()->decision.c_str());
+  for (const char* torn : {"3", "null", R"({"scan":1,"result":[]})"}) CHECK(!decided(torn).empty());
+}
+
 TEST(ScanRow, MissingRowsAreTakenUpOnce) {
   auto memory = memory::Memory::open(folder.path() / memory::k_memory_file);
   SUCCEEDS(memory);
