@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/core/plain_number.hpp"
+
 namespace biteline::canpose {
 namespace {
 
@@ -45,8 +47,8 @@ Result<void> put_translation(std::span<std::uint8_t, k_translation_bytes> field,
   for (int axis = 0; axis < 3; ++axis) {
     const double steps = p_base[axis] / k_position_step_mm;
     if (!(std::abs(steps) < 2147483647.0)) {
-      return fail(Errc::BadValue, "CAN pose: axis %d at %g mm is beyond what the frame holds", axis,
-                  p_base[axis]);
+      return fail(Errc::BadValue, "CAN pose: axis %d at %s mm is beyond what the frame holds", axis,
+                  plain_number(p_base[axis]).c_str());
     }
     put(field.subspan(4 * static_cast<std::size_t>(axis), 4),
         static_cast<std::uint64_t>(std::llround(steps)));

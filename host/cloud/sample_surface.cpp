@@ -4,6 +4,8 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "common/core/plain_number.hpp"
+
 namespace biteline::cloud {
 
 Result<std::vector<Eigen::Vector3f>> sample_surface(const TriangleMesh& mesh, double spacing) {
@@ -23,8 +25,8 @@ Result<std::vector<Eigen::Vector3f>> sample_surface(const TriangleMesh& mesh, do
   }
   const double share = spacing * spacing;
   if (!(whole / share <= k_most_points)) {
-    return fail(Errc::Refused, "the mesh's surface takes %.3g points at a spacing of %.3g: give its unit",
-                whole / share, spacing);
+    return fail(Errc::Refused, "the mesh's surface takes %s points at a spacing of %s: give its unit",
+                plain_number(whole / share).c_str(), plain_number(spacing).c_str());
   }
   std::vector<Eigen::Vector3f> points;
   points.reserve(static_cast<std::size_t>(whole / share) + 1);

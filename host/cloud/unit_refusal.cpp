@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "common/core/fixed_text.hpp"
+#include "common/core/plain_number.hpp"
 #include "host/cloud/cloud_file.hpp"
 
 namespace biteline::cloud {
@@ -47,7 +48,8 @@ std::optional<report::Refusal<UnitRefused>> unit_refusal(const CloudFile& file) 
   if (units.empty()) return std::nullopt;
   const UnitRow& row = unit_row(units.front());
   std::string reason(
-      FixedText<200>::format("the cloud is %.3g mm long, %s; in %s it would be %.0f mm: give --unit %s", size,
+      FixedText<200>::format("the cloud is %s mm long, %s; in %s it would be %.0f mm: give --unit %s",
+                             plain_number(size).c_str(),
                              size < k_least_shoe_mm ? "too small for a shoe" : "no shoe's size", row.word,
                              size * row.mm, row.name)
           .view());

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "common/core/fixed_text.hpp"
+#include "common/core/plain_number.hpp"
 #include "host/bite_line/find_bite_line.hpp"
 
 namespace biteline::app {
@@ -84,10 +85,11 @@ std::optional<report::ToldRefusal> other_reading(const std::filesystem::path& pa
   }
   report::ToldRefusal told;
   told.reason_code = best.unit ? "other_unit" : "other_up";
-  told.reason = FixedText<300>::format(
-                    "no line as the cloud was read, %.3g mm long, %s up; %s a line is found: give %s",
-                    file.size_mm, cloud::up_word(reading.up), with.c_str(), options.c_str())
-                    .view();
+  told.reason =
+      FixedText<300>::format("no line as the cloud was read, %s mm long, %s up; %s a line is found: give %s",
+                             plain_number(file.size_mm).c_str(), cloud::up_word(reading.up), with.c_str(),
+                             options.c_str())
+          .view();
   told.next_step = "read the cloud again with " + options;
   return told;
 }

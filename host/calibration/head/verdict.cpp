@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <numbers>
 
+#include "common/core/plain_number.hpp"
+
 namespace biteline::calibration {
 namespace {
 
@@ -48,7 +50,8 @@ class Judge {
  private:
   void note(Grade grade, const char* words, double value, double bound) {
     char text[200];
-    std::snprintf(text, sizeof text, "%s: %.3g, good is %.3g", words, value, bound);
+    std::snprintf(text, sizeof text, "%s: %s, good is %s", words, plain_number(value).c_str(),
+                  plain_number(bound).c_str());
     verdict_.reasons.emplace_back(text);
     verdict_.grade = std::max(verdict_.grade, grade);
   }

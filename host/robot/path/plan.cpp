@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "common/core/fixed_text.hpp"
+#include "common/core/plain_number.hpp"
 #include "host/robot/path/checks/cloud_check.hpp"
 #include "host/robot/path/checks/sight.hpp"
 #include "host/robot/path/checks/way_there.hpp"
@@ -267,8 +268,9 @@ std::string failures(const std::vector<Check>& checks) {
   for (const Check& check : checks) {
     if (check.passed) continue;
     out += out.empty() ? "" : "; ";
-    out += FixedText<256>::format("%s: %s (%.3g, limit %.3g %s", check.name.c_str(), check.detail.c_str(),
-                                  check.value, check.limit, check.unit.c_str())
+    out += FixedText<256>::format("%s: %s (%s, limit %s %s", check.name.c_str(), check.detail.c_str(),
+                                  plain_number(check.value).c_str(), plain_number(check.limit).c_str(),
+                                  check.unit.c_str())
                .view();
     if (check.arc_mm >= 0) out += FixedText<40>::format(", at %.0f mm", check.arc_mm).view();
     out += ")";

@@ -6,6 +6,7 @@
 
 #include "common/config/yaml_reader.hpp"
 #include "common/core/fixed_text.hpp"
+#include "common/core/plain_number.hpp"
 #include "common/core/text_bounds.hpp"
 
 namespace biteline::path {
@@ -184,10 +185,10 @@ void check_stall(YamlReader& reader, const Process& process) {
   if (!(slowest_mm_s > 0)) return;
   const double least_s = 2 * k_least_advance_mm / slowest_mm_s;
   if (process.follow.stall_s >= least_s) return;
-  reader.fault(
-      Errc::BadValue, "follow.stall_s",
-      FixedText<120>::format("at %.3g mm/s at least %.3g s, or the tip seems to stand", slowest_mm_s, least_s)
-          .c_str());
+  reader.fault(Errc::BadValue, "follow.stall_s",
+               FixedText<120>::format("at %s mm/s at least %s s, or the tip seems to stand",
+                                      plain_number(slowest_mm_s).c_str(), plain_number(least_s).c_str())
+                   .c_str());
 }
 
 Start read_start(YamlReader& reader) {

@@ -5,6 +5,7 @@
 
 #include <random>
 
+#include "common/core/plain_number.hpp"
 #include "common/core/result.hpp"
 
 namespace biteline {
@@ -91,6 +92,17 @@ TEST(Text, LineOfAnErrorIsCutBetweenLettersWhereverItsTextWasTooLong) {
       LONGS_EQUAL(0, tail.size() % std::string_view{letter}.size());
     }
   }
+}
+
+TEST(Text, NumbersInSentencesHaveNoPowersOfTen) {
+  const struct {
+    double value;
+    const char* text;
+  } k_cases[]{{0, "0"},           {280, "280"},           {0.28, "0.28"},       {11.64, "11.6"},
+              {1234.6, "1235"},   {9999, "9999"},         {300'000, "300 000"}, {-280'000, "-280 000"},
+              {12'345, "12 345"}, {1e9, "1 000 000 000"}, {0.001, "0.001"},     {0.0000123, "0.0000123"},
+              {99.96, "100"},     {-0.5, "-0.5"},         {1e20, "1e+20"},      {100, "100"}};
+  for (const auto& one : k_cases) STRCMP_EQUAL(one.text, plain_number(one.value).c_str());
 }
 
 }  // namespace biteline

@@ -74,17 +74,19 @@ TEST(CloudFile, SizeThatFitsAnotherUnitIsToldWhereNobodyGaveOne) {
   const struct {
     double size_mm;
     const char* advice;
-  } k_cases[]{{0.28, "--unit m"},
-              {29.4, "--unit cm"},
-              {11.6, "--unit in"},
-              {280'000, "--unit um"},
-              {1.2, "--unit m"}};
+    const char* told;
+  } k_cases[]{{0.28, "--unit m", "the cloud is 0.28 mm long"},
+              {29.4, "--unit cm", "is 29.4 mm long"},
+              {11.6, "--unit in", "is 11.6 mm long"},
+              {280'000, "--unit um", "is 280 000 mm long"},
+              {1.2, "--unit m", "is 1.2 mm long"}};
   for (const auto& one : k_cases) {
     CloudFile file;
     file.size_mm = one.size_mm;
     const auto refusal = unit_refusal(file);
     CHECK(refusal.has_value());
     STRCMP_CONTAINS(one.advice, refusal->reason.c_str());
+    STRCMP_CONTAINS(one.told, refusal->reason.c_str());
     file.unit = Unit::Millimetre;
     CHECK(!unit_refusal(file).has_value());
   }
