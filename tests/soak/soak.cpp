@@ -80,15 +80,10 @@ void Soak::run() {
   probe_anew();
   heard_ = Clock::now();
   for (;;) {
-    if (const std::optional<HostWord> word = stand_.hear_host(5ms)) {
-      heard_ = Clock::now();
-      const bool next = word->kind == HostWord::Kind::TakesIn && running_ && word->scan != running_->name;
-      if (next && Clock::now() > until) {
-        begun_.insert(word->scan);
-        break;
-      }
-      hear(*word);
-    }
+    // The service says what it asks for before it asks: what has shone by now was said by then.
+    const std::uint64_t lit = stand_.cell().lightings();
+    if (!hear_all(until)) break;
+    balance_light(lit);
     for (std::string& script : stand_.between().take_scripts()) {
       if (script.find("def biteline_path") != std::string::npos) scripts_.push_back(std::move(script));
     }
@@ -104,7 +99,29 @@ void Soak::run() {
   end();
 }
 
+bool Soak::hear_all(Clock::time_point until) {
+  for (std::chrono::milliseconds patience{5};; patience = 0ms) {
+    const std::optional<HostWord> word = stand_.hear_host(patience);
+    if (!word) return true;
+    heard_ = Clock::now();
+    const bool next = word->kind == HostWord::Kind::TakesIn && running_ && word->scan != running_->name;
+    if (next && Clock::now() > until) {
+      begun_.insert(word->scan);
+      return false;
+    }
+    hear(*word);
+  }
+}
+
+void Soak::balance_light(std::uint64_t lit) {
+  const std::uint64_t unasked = light_.unasked(lit, asked_);
+  if (unasked == 0) return;
+  find("the laser was lit " + std::to_string(unasked) + " times without being asked for: " +
+       std::to_string(lit) + " lightings, " + std::to_string(asked_) + " askings");
+}
+
 void Soak::hear(const HostWord& word) {
+  if (word.kind == HostWord::Kind::Asks) ++asked_;
   if (word.kind == HostWord::Kind::Sends && running_) running_->sent = Clock::now();
   if (word.kind != HostWord::Kind::TakesIn && word.kind != HostWord::Kind::Found) return;
   if (running_ && running_->name == word.scan) return;  // a new service goes on with it
@@ -270,11 +287,11 @@ void Soak::settle() {
   memory_.note("cell", ::getpid(), resident_mb(::getpid()));
   std::printf(
       "%s  %-26s %-9s %s%s (machine late by up to %.0f ms, ordinary programs by %.0f ms of a second; lit "
-      "%llu "
-      "times, %zu scans)\n",
+      "%llu times, asked for %llu times, %zu scans)\n",
       run.name.c_str(), run.fault->name, name_of(account.outcome), account.reason.c_str(),
       made || !run.fault->make ? "" : " not made", late_ms, programs_late_ms,
-      static_cast<unsigned long long>(stand_.cell().lightings()), begun_.size());
+      static_cast<unsigned long long>(stand_.cell().lightings()), static_cast<unsigned long long>(asked_),
+      begun_.size());
   std::fflush(stdout);
   // What came out even is not kept: an hour of clouds is large.
   if (wrong_.size() == wrong_before) {
@@ -312,13 +329,17 @@ void Soak::end() {
   // While the last books were balanced it went on with scans that nobody watched.
   const std::size_t watched = begun_.size();
   for (const HostWord& word : stand_.last_host_words()) {
+    if (word.kind == HostWord::Kind::Asks) ++asked_;
     if (word.kind == HostWord::Kind::TakesIn) begun_.insert(word.scan);
   }
   const std::uint64_t lit = stand_.cell().lightings();
+  balance_light(lit);
+  if (asked_ < begun_.size()) {
+    find(std::to_string(begun_.size()) + " scans for " + std::to_string(asked_) + " askings");
+  }
   // The newest scan that was watched was just asked for.
-  if (lit > begun_.size() || lit + dark_scans_ + 1 < watched) {
-    find("the laser was lit " + std::to_string(lit) + " times for " + std::to_string(begun_.size()) +
-         " scans");
+  if (lit + dark_scans_ + 1 < watched) {
+    find("the laser was lit " + std::to_string(lit) + " times for " + std::to_string(watched) + " scans");
   }
   for (const std::string& growth : memory_.growths()) find(growth);
   const Seen seen = stand_.page().seen();

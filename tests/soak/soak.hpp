@@ -8,6 +8,7 @@
 
 #include "tests/soak/books.hpp"
 #include "tests/soak/faults.hpp"
+#include "tests/soak/light_book.hpp"
 #include "tests/soak/stand.hpp"
 #include "tests/support/wakeup_probe.hpp"
 
@@ -64,6 +65,9 @@ class Soak {
   void watch_light(Clock::time_point now);
   void keep_programs();
   void hear(const HostWord& word);
+  /// All that the service has said.  False: the time is over, and the next scan has begun.
+  [[nodiscard]] bool hear_all(Clock::time_point until);
+  void balance_light(std::uint64_t lit);
   void end();
   void find(const std::string& what);
   [[nodiscard]] const Fault& next_fault();
@@ -89,6 +93,8 @@ class Soak {
   bool violated_{false};                    ///< the light's rule, now
   std::map<std::string, Row> rows_;
   MemoryBook memory_;
+  LightBook light_;
+  std::uint64_t asked_{0};  ///< the service, for a scan
   std::vector<std::string> wrong_;
 };
 

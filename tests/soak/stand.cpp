@@ -66,7 +66,9 @@ std::string loopback(std::uint16_t port) {
 HostWord word_of(std::string line) {
   HostWord word{.line = std::move(line), .scan = {}};
   const std::string found = "found ";
-  if (word.line.starts_with("takes in scan ")) {
+  if (word.line == "asks for a scan") {
+    word.kind = HostWord::Kind::Asks;
+  } else if (word.line.starts_with("takes in scan ")) {
     word.kind = HostWord::Kind::TakesIn;
     word.scan = word.line.substr(word.line.rfind('/') + 1);
   } else if (word.line.starts_with(found) && word.line.find(" unfinished, ") != std::string::npos) {

@@ -26,7 +26,7 @@ struct StandSettings {
 
 /// What the host service said on one line of its stdout.
 struct HostWord {
-  enum class Kind { Other, TakesIn, Found, Sends } kind{Kind::Other};
+  enum class Kind { Other, Asks, TakesIn, Found, Sends } kind{Kind::Other};
   std::string line;
   std::string scan;  ///< TakesIn and Found: the folder's name
 };

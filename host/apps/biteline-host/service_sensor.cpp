@@ -61,6 +61,8 @@ Result<void> Service::hear_sensor() {
     // A stop that came while the robot was asked is one.
     if (const std::optional<robot::StopMark> mark = cockpit_->begin_cycle()) {
       sensor_idle_ = false;
+      // Before the light, which may come before the scan does.
+      say_step("asks for a scan");
       // Should the scan that was asked for before begin after all, it is as old as that.
       asked_ = Asked{.mark = asked_ ? asked_->mark : *mark, .connection = connection()};
       link_->command({.id = k_start_id, .command = wire::Command::StartScan});
@@ -125,8 +127,7 @@ Result<void> Service::on_hello(const intake::Hello& hello) {
   }
   const bool has_scan = hello.scan_id != 0 && (hello.sensor.scanning || hello.sensor.lossless);
   if (!has_scan) {
-    say_step("connected to %s%s; asks for a scan", hello.sensor.name.c_str(),
-             hello.sensor.simulated ? " (simulated)" : "");
+    say_step("connected to %s%s", hello.sensor.name.c_str(), hello.sensor.simulated ? " (simulated)" : "");
     sensor_idle_ = true;
     asked_.reset();
     return {};
