@@ -636,9 +636,7 @@ say('trends of one day: an axis of that day, and figures without a pointer');
   const whole = cell.trends;
   cell.trends = whole.slice(-1);
   const one = await open(browser);
-  await one.context.addCookies(await otto.context.cookies());
   await one.context.addInitScript(() => {
-    localStorage.setItem('biteline_session', '1');
     // What an axis says is painted, and stands nowhere else.
     globalThis.painted = [];
     const paint = CanvasRenderingContext2D.prototype.fillText;
@@ -647,6 +645,8 @@ say('trends of one day: an axis of that day, and figures without a pointer');
       return paint.call(this, text, ...place);
     };
   });
+  await one.page.goto(`${address}#token=one-time`);
+  await one.page.getByText('vera, viewer').waitFor();
   await one.page.goto(`${address}#/scans`);
   await one.page.locator('.chart').first().locator('.u-legend').waitFor();
   const painted = await one.page.evaluate(() => globalThis.painted);
