@@ -23,7 +23,7 @@ Result<Scan> read_scan(const std::filesystem::path& session_folder, int column_s
       errors[i] = picture.error();
       return;
     }
-    const Result<Stripe> stripe = find_stripe(*picture);
+    const Result<PictureStripe> stripe = find_stripe(*picture);
     if (!stripe) {
       errors[i] = stripe.error();
       return;

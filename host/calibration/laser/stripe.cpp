@@ -70,13 +70,13 @@ stripe::PeakConfig config_for(const image::GreyImage& picture) {
 
 }  // namespace
 
-Result<Stripe> find_stripe(const image::GreyImage& picture) {
+Result<PictureStripe> find_stripe(const image::GreyImage& picture) {
   BITELINE_ASSIGN(auto extractor,
                   stripe::PeakExtractor::create(config_for(picture), picture.width_px, picture.height_px));
   const auto peaks = std::make_unique<stripe::Peaks>();
   extractor.rt_extract(
       {.pixels = picture.pixels.data(), .stride_bytes = static_cast<std::size_t>(picture.width_px)}, *peaks);
-  Stripe stripe;
+  PictureStripe stripe;
   if (peaks->speckle.measured) stripe.speckle_contrast = static_cast<double>(peaks->speckle.contrast);
   for (int u = 0; u < peaks->column_count; ++u) {
     const stripe::ColumnPeaks& column = peaks->columns[static_cast<std::size_t>(u)];

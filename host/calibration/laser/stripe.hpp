@@ -18,11 +18,11 @@ struct StripePoint {
   double sigma_px{0};
 };
 
-struct Stripe {
+struct PictureStripe {
   std::vector<StripePoint> points;  ///< one per column that shows exactly one sound peak; empty: no stripe
   std::optional<double> speckle_contrast;  ///< of the laser's light, where enough columns show it
 };
-[[nodiscard]] Result<Stripe> find_stripe(const image::GreyImage& picture);
+[[nodiscard]] Result<PictureStripe> find_stripe(const image::GreyImage& picture);
 
 /// Runs of up to `columns` neighbouring points replaced by their mean (a line over so few columns), single
 /// ones off their run's line left out: a tenth of the equations with all of the information.
