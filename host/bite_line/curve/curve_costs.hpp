@@ -15,7 +15,7 @@ struct CurveCosts {
   int rows{0};
   int cols{0};
   /// Per cell and direction: minus the logarithm of the probability that the line passes there, against
-  /// "surface", both being as likely before anything was seen.
+  /// "surface".
   Large<float> per_mm;
 
   [[nodiscard]] std::size_t at(int row, int col) const {
@@ -28,6 +28,10 @@ struct CurveCosts {
     return per_mm[cell * k_directions + direction];
   }
 };
+
+/// Log odds that the line passes at a place, before anything was seen; the fit has as many of both.  The less
+/// likely, the more a plain crease and a plainer one differ.
+inline constexpr float k_line_log_odds = -1.0F;
 
 /// Of a gap in the surface nothing is known: 0.5.  Below the shoe's lower edge and above its upper one there
 /// is no surface to be seen; that costs as much as the plainest surface.

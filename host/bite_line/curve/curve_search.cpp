@@ -114,6 +114,26 @@ int surest_col(std::span<const ColumnBest> best) {
 
 }  // namespace
 
+double length_of(std::span<const CurveState> states) {
+  double sum_mm = 0;
+  for (std::size_t i = 0; i + 1 < states.size(); ++i) sum_mm += length_mm(states[i].direction);
+  return sum_mm;
+}
+
+double energy_of(std::span<const CurveState> states, const CurveCosts& costs, const CurveConfig& config) {
+  const auto per_mm = [&](const CurveState& at, std::size_t direction) {
+    return static_cast<double>(costs.of(costs.at(at.row, round_col(at.col, costs.cols)), direction));
+  };
+  double sum = 0;
+  for (std::size_t i = 0; i + 1 < states.size(); ++i) {
+    const std::size_t k = states[i].direction;
+    sum += 0.5 * length_mm(k) * (per_mm(states[i], k) + per_mm(states[i + 1], k));
+    const int turn = static_cast<int>(states[i + 1].direction) - static_cast<int>(k);
+    if (i + 2 < states.size()) sum += static_cast<double>(bend_cost(k, turn, config.bend_mm));
+  }
+  return sum;
+}
+
 CurveSearch::CurveSearch(const CurveCosts& costs, const CurveConfig& config)
     : costs_{costs}, config_{config} {
   BITELINE_EXPECTS(costs.rows > 0 && costs.cols > 4);
@@ -137,6 +157,7 @@ CurveSearch::CurveSearch(const CurveCosts& costs, const CurveConfig& config)
 }
 
 Large<float> CurveSearch::bounds() const {
+  constexpr float k_beyond = 24;  // the bends of most curves cost no more
   const int rows = costs_.rows;
   Large<float> least(static_cast<std::size_t>(rows) * static_cast<std::size_t>(unrolled_cols_));
   std::fill(least.begin(), least.end(), k_out_of_reach);
@@ -151,7 +172,7 @@ Large<float> CurveSearch::bounds() const {
   while (open.pop(here)) {
     if (least[here] > most) break;
     if (most == k_out_of_reach && here >= to && here < to + static_cast<std::size_t>(rows))
-      most = least[here] + static_cast<float>(2 * config_.rival_excess);
+      most = least[here] + k_beyond;
     const int col = static_cast<int>(here) / rows, row = static_cast<int>(here) % rows;
     for (std::size_t k = 0; k < k_directions; ++k) {
       const int r = row - k_cell_steps[k].rows, c = col - k_cell_steps[k].cols;
@@ -185,86 +206,65 @@ float CurveSearch::step_cost(std::size_t direction, std::size_t from, std::size_
 }
 
 template <class Reach>
-void CurveSearch::for_next(bool ahead, std::size_t state, float total, Reach&& reach) const {
+void CurveSearch::for_next(std::size_t state, float total, Reach&& reach) const {
   const std::size_t direction = state % k_directions, here = state / k_directions;
   const int rows = costs_.rows;
   const int col = static_cast<int>(here) / rows, row = static_cast<int>(here) % rows;
-  const auto next = [&](std::size_t k, int sign, auto&& use) {
-    const int r = row + sign * k_cell_steps[k].rows, c = col + sign * k_cell_steps[k].cols;
-    if (r < 0 || r >= rows || c < 0 || c >= unrolled_cols_) return;
-    const std::size_t there = costs_.at(r, c);
-    use(there * k_directions, total + step_cost(k, here, there));
-  };
-  if (ahead) {
-    next(direction, 1, [&](std::size_t there, float sum) {
-      for (int turn = -k_most_turn; turn <= k_most_turn; ++turn) {
-        const std::size_t k = turned(direction, turn);
-        if (k >= k_directions) continue;
-        const auto by = static_cast<std::size_t>(turn + k_most_turn);
-        reach(there + k, sum + bend_[direction][by], static_cast<std::uint8_t>(by));
-      }
-    });
-    return;
-  }
+  const int r = row + k_cell_steps[direction].rows, c = col + k_cell_steps[direction].cols;
+  if (r < 0 || r >= rows || c < 0 || c >= unrolled_cols_) return;
+  const std::size_t there = costs_.at(r, c);
+  const float sum = total + step_cost(direction, here, there);
   for (int turn = -k_most_turn; turn <= k_most_turn; ++turn) {
-    const std::size_t k = turned(direction, -turn);
+    const std::size_t k = turned(direction, turn);
     if (k >= k_directions) continue;
     const auto by = static_cast<std::size_t>(turn + k_most_turn);
-    next(k, -1, [&](std::size_t there, float sum) {
-      reach(there + k, sum + bend_[k][by], static_cast<std::uint8_t>(by));
-    });
+    reach(there * k_directions + k, sum + bend_[direction][by], static_cast<std::uint8_t>(by));
   }
 }
 
-template <class Bound>
-CurveSearch::Totals CurveSearch::swept(const Sweep& sweep, Bound&& bound) const {
+CurveSearch::Totals CurveSearch::swept(std::span<const int> rows, float limit) const {
   Totals totals;
   const std::size_t states = per_mm_.size();
   totals.total.resize(states);
   std::fill(totals.total.begin(), totals.total.end(), k_out_of_reach);
   totals.turn.resize(states);
-  const int begin_col = sweep.ahead ? begin_col_ : begin_col_ + costs_.cols;
   Open open;
-  for (const int row : sweep.from_rows) {
+  std::vector<std::uint8_t> ends(static_cast<std::size_t>(costs_.rows), 0);
+  for (const int row : rows) {
+    ends[static_cast<std::size_t>(row)] = 1;
     for (std::size_t k = 0; k < k_directions; ++k) {
-      const std::size_t at = index({row, begin_col, k});
-      const float key = bound(at);
-      if (!nearly_level(k) || key >= sweep.limit) continue;
+      const std::size_t at = index({row, begin_col_, k});
+      const float key = to_end_[at / k_directions];
+      if (!nearly_level(k) || key >= limit) continue;
       totals.total[at] = 0;
       totals.turn[at] = k_begins;
       open.push(key, static_cast<std::uint32_t>(at));
     }
   }
-  std::vector<std::uint8_t> goal(static_cast<std::size_t>(costs_.rows), 0);
-  for (const int row : sweep.to_rows) goal[static_cast<std::size_t>(row)] = 1;
-  const std::size_t first_goal = index({0, begin_col_ + costs_.cols, 0});
-  const auto is_goal = [&](std::size_t state) {
-    const std::size_t row = (state - first_goal) / k_directions;
-    return state >= first_goal && row < goal.size() && goal[row] != 0 && nearly_level(state % k_directions);
+  const std::size_t first_end = index({0, begin_col_ + costs_.cols, 0});
+  const auto is_end = [&](std::size_t state) {
+    const std::size_t row = (state - first_end) / k_directions;
+    return state >= first_end && row < ends.size() && ends[row] != 0 && nearly_level(state % k_directions);
   };
   std::uint32_t here = 0;
   while (open.pop(here)) {
     if ((totals.turn[here] & k_done) != 0) continue;
     totals.turn[here] |= k_done;
-    if (is_goal(here)) {
+    if (is_end(here)) {
       totals.end = here;
       totals.reached = true;
-      if (!sweep.all) break;
+      break;
     }
-    for_next(sweep.ahead, here, totals.total[here], [&](std::size_t there, float total, std::uint8_t turn) {
+    for_next(here, totals.total[here], [&](std::size_t there, float total, std::uint8_t turn) {
       if (total >= totals.total[there]) return;
-      const float key = total + bound(there);
-      if (key >= sweep.limit) return;
+      const float key = total + to_end_[there / k_directions];
+      if (key >= limit) return;
       totals.total[there] = total;
       totals.turn[there] = turn;
       open.push(key, static_cast<std::uint32_t>(there));
     });
   }
   return totals;
-}
-
-CurveSearch::Totals CurveSearch::swept_ahead(const Sweep& sweep) const {
-  return swept(sweep, [this](std::size_t state) { return to_end_[state / k_directions]; });
 }
 
 std::vector<CurveState> CurveSearch::traced(const Totals& totals) const {
@@ -278,13 +278,8 @@ std::vector<CurveState> CurveSearch::traced(const Totals& totals) const {
   return states;
 }
 
-std::optional<ClosedCurve> CurveSearch::closed_at(int row, float limit) const {
-  const std::array rows{row};
-  return through_column(rows, limit);
-}
-
 std::optional<ClosedCurve> CurveSearch::through_column(std::span<const int> rows, float limit) const {
-  const Totals open = swept_ahead({.from_rows = rows, .to_rows = rows, .limit = limit});
+  const Totals open = swept(rows, limit);
   if (!open.reached) return std::nullopt;
   std::vector<CurveState> states = traced(open);
   const int first = states.front().row, last = states.back().row;
@@ -292,8 +287,12 @@ std::optional<ClosedCurve> CurveSearch::through_column(std::span<const int> rows
     states.pop_back();
     return ClosedCurve{.states = std::move(states), .energy = static_cast<double>(open.total[open.end])};
   }
-  std::optional<ClosedCurve> one = closed_at(first, limit);
-  std::optional<ClosedCurve> other = closed_at(last, one ? static_cast<float>(one->energy) : limit);
+  // It does not close: no curve of these rows costs less, and none that closes has both of these ends.
+  const auto middle = std::ranges::upper_bound(rows, (first + last) / 2);
+  const auto below = static_cast<std::size_t>(middle - rows.begin());
+  std::optional<ClosedCurve> one = through_column(rows.subspan(0, below), limit);
+  std::optional<ClosedCurve> other =
+      through_column(rows.subspan(below), one ? static_cast<float>(one->energy) : limit);
   return other ? other : one;
 }
 
@@ -301,33 +300,6 @@ std::optional<ClosedCurve> CurveSearch::best() const {
   std::vector<int> rows(static_cast<std::size_t>(costs_.rows));
   std::iota(rows.begin(), rows.end(), 0);
   return through_column(rows, k_out_of_reach);
-}
-
-std::optional<ClosedCurve> CurveSearch::other_than(const ClosedCurve& curve) const {
-  std::vector<int> rows;
-  for (int row = 0; row < costs_.rows; ++row) {
-    const double away_mm = std::abs(row - curve.states.front().row) * Raster::k_cell_mm;
-    if (away_mm > config_.apart_mm) rows.push_back(row);
-  }
-  return through_column(rows, static_cast<float>(curve.energy + config_.rival_excess));
-}
-
-Large<float> CurveSearch::excess_about(const ClosedCurve& curve) const {
-  const std::array rows{curve.states.front().row};
-  const auto energy = static_cast<float>(curve.energy);
-  const auto limit = static_cast<float>(curve.energy + config_.rival_excess);
-  const Totals ahead = swept_ahead({.from_rows = rows, .limit = limit, .all = true});
-  const Totals back = swept({.ahead = false, .from_rows = rows, .limit = limit, .all = true},
-                            [&](std::size_t state) { return ahead.total[state]; });
-  Large<float> excess(static_cast<std::size_t>(costs_.rows) * static_cast<std::size_t>(costs_.cols));
-  std::fill(excess.begin(), excess.end(), k_out_of_reach);
-  for (std::size_t state = 0; state < back.total.size(); ++state) {
-    if (back.total[state] == k_out_of_reach) continue;
-    const CurveState at = state_of(state);
-    float& least = excess[costs_.at(at.row, round_col(at.col, costs_.cols))];
-    least = std::clamp(ahead.total[state] + back.total[state] - energy, 0.0F, least);
-  }
-  return excess;
 }
 
 }  // namespace biteline::bite_line

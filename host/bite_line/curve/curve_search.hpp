@@ -31,9 +31,12 @@ struct CurveConfig {
   double bend_mm{1.0};
   /// A curve's place at the column where it begins is told from another one's so far away.
   double apart_mm{2.5};
-  /// What costs so much more than the best curve is no rival: the posterior leaves it a four-hundredth.
-  double rival_excess{12.0};
 };
+
+/// Of states one after the other, each a step from the one before: their length (mm), and what it costs.
+[[nodiscard]] double length_of(std::span<const CurveState> states);
+[[nodiscard]] double energy_of(std::span<const CurveState> states, const CurveCosts& costs,
+                               const CurveConfig& config);
 
 /// Dijkstra's search over (place, direction), begun and closed on one column.  The same without bends, over
 /// places alone, bounds what is left (Hart, Nilsson, Raphael 1968), so that little beside good curves is
@@ -46,37 +49,24 @@ class CurveSearch {
 
   /// The cheapest one; none where the side has none.
   [[nodiscard]] std::optional<ClosedCurve> best() const;
-  /// The cheapest one that begins elsewhere on the column where `curve` does; none where that is no rival.
-  [[nodiscard]] std::optional<ClosedCurve> other_than(const ClosedCurve& curve) const;
-  /// Per cell: how much more than `curve` the cheapest one through it costs that begins where `curve` does.
-  /// Out of all bounds where that is more than `rival_excess`.
-  [[nodiscard]] Large<float> excess_about(const ClosedCurve& curve) const;
 
  private:
   /// What a sweep found, per state of the unrolled side.
   struct Totals {
     Large<float> total;
     Large<std::uint8_t> turn;  ///< of the direction from the state before, see curve_search.cpp
-    std::size_t end{0};        ///< the first goal that was reached
+    std::size_t end{0};        ///< where the cheapest way ends
     bool reached{false};
-  };
-  struct Sweep {
-    bool ahead{true};
-    std::span<const int> from_rows, to_rows{};  ///< on the columns where a curve begins and ends
-    float limit;                                ///< what costs more is left out
-    bool all{false};                            ///< not only up to the first end that is reached
   };
   /// Per unrolled cell: what leads from it to the end's column costs at least, bends being free; what costs
   /// much more than the cheapest way round is only said to do so.
   [[nodiscard]] Large<float> bounds() const;
-  /// `bound`: of a state, what is left from it costs at least.
-  template <class Bound>
-  [[nodiscard]] Totals swept(const Sweep& sweep, Bound&& bound) const;
-  [[nodiscard]] Totals swept_ahead(const Sweep& sweep) const;
+  /// From `rows` to `rows`, once round; what costs more than `limit` is left out.
+  [[nodiscard]] Totals swept(std::span<const int> rows, float limit) const;
   template <class Reach>
-  void for_next(bool ahead, std::size_t state, float total, Reach&& reach) const;
+  void for_next(std::size_t state, float total, Reach&& reach) const;
+  /// Halves the rows until the cheapest way ends where it began.
   [[nodiscard]] std::optional<ClosedCurve> through_column(std::span<const int> rows, float limit) const;
-  [[nodiscard]] std::optional<ClosedCurve> closed_at(int row, float limit) const;
   [[nodiscard]] std::vector<CurveState> traced(const Totals& totals) const;
 
   [[nodiscard]] std::size_t index(const CurveState& state) const;

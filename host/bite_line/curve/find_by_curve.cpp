@@ -227,23 +227,16 @@ std::optional<CurveOnSide> curve_on(const Side& side) {
   const CurveSearch search{costs, {}};
   std::optional<ClosedCurve> best = search.best();
   if (!best) return std::nullopt;
-  Large<float> excess = search.excess_about(*best);
-  std::optional<double> rival_excess;
-  if (const std::optional<ClosedCurve> rival = search.other_than(*best)) {
-    rival_excess = std::max(0.0, rival->energy - best->energy);
-    add_rival(raster, *rival, *rival_excess, excess);
-  }
-  std::vector<CurveStation> stations = curve_posterior(raster, *best, excess, {});
+  constexpr RivalConfig k_rivals{};
+  const std::vector<CurveRival> rivals = rivals_of(raster, costs, {}, *best, k_rivals);
+  std::vector<CurveStation> stations = curve_posterior(raster, *best, rivals, k_rivals.same_mm, {});
   double evidence = 0;
   for (const CurveState& at : best->states) {
     const std::size_t cell = costs.at(at.row, raster.round_col(at.col));
     evidence += std::exp(-static_cast<double>(costs.of(cell, at.direction)));
   }
   evidence /= static_cast<double>(best->states.size());
-  return CurveOnSide{.curve = std::move(*best),
-                     .rival_excess = rival_excess,
-                     .evidence = evidence,
-                     .stations = std::move(stations)};
+  return CurveOnSide{.curve = std::move(*best), .evidence = evidence, .stations = std::move(stations)};
 }
 
 Extraction find_by_curve(const ScanPoints& scan, const Config& config, std::optional<Workings>* workings) {

@@ -19,7 +19,6 @@ namespace biteline::bite_line {
 /// The best curve on a side, and what is known of it.
 struct CurveOnSide {
   ClosedCurve curve;
-  std::optional<double> rival_excess;  ///< what the best other closed curve costs more, where there is one
   double evidence{0};                  ///< mean probability of its places by the surface alone, 0 to 1
   std::vector<CurveStation> stations;  ///< a place of the curve after the other, once round
 };

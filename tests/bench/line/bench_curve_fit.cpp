@@ -14,6 +14,7 @@
 #include <optional>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <tbb/global_control.h>
@@ -22,6 +23,7 @@
 
 #include "host/bite_line/curve/curve_costs.hpp"
 #include "host/bite_line/curve/curve_posterior.hpp"
+#include "host/bite_line/curve/curve_rivals.hpp"
 #include "host/bite_line/curve/curve_search.hpp"
 #include "host/geometry/logistic.hpp"
 #include "tests/bench/line/curve_cases.hpp"
@@ -176,41 +178,11 @@ SignWeights fitted(const std::vector<Sample>& samples, const std::vector<Held>& 
   return weights;
 }
 
-/// Tried for PosteriorConfig::temperature.
-constexpr std::array k_temperatures{0.7, 1.0, 1.4, 2.0, 2.8, 4.0, 5.6, 8.0};
-
-struct SearchVerdict {
-  double wrong_mm{0};
-  double energy{0};
-  double known_energy{0};  ///< of the cheapest curve along the known line, where another one was found
-  /// Mean logarithm of what the posterior gave to what is true, per temperature.
-  std::array<double, k_temperatures.size()> score{};
-};
-
 bool known_beside(const Held& held, const Vec2& place) {
   constexpr double k_beside_mm = 3;
   return std::ranges::any_of(held.truth, [&](const Vec2& at) {
     return off_mm({place.x(), at.y()}, at, held.turn_mm) < k_beside_mm;
   });
-}
-
-/// Whether the line is where the posterior holds it, station by station.
-void score(const Held& held, const bite_line::CurveSearch& search, const ClosedCurve& curve,
-           SearchVerdict& verdict) {
-  constexpr double k_least = 1e-3;  // no posterior is surer than that
-  Large<float> excess = search.excess_about(curve);
-  if (const std::optional<ClosedCurve> rival = search.other_than(curve))
-    bite_line::add_rival(held.raster, *rival, std::max(0.0, rival->energy - curve.energy), excess);
-  for (std::size_t t = 0; t < k_temperatures.size(); ++t) {
-    const auto stations =
-        bite_line::curve_posterior(held.raster, curve, excess, {.temperature = k_temperatures[t]});
-    for (const bite_line::CurveStation& station : stations) {
-      if (!known_beside(held, station.place)) continue;
-      const bool right = least_off_mm(station.place, held.truth, held.turn_mm) < 2.25 + held.truth_mm;
-      const double hold = right ? station.hold : 1 - station.hold;
-      verdict.score[t] += std::log(std::max(hold, k_least)) / static_cast<double>(stations.size());
-    }
-  }
 }
 
 /// What the known line itself costs: all that is farther from it costs the most.
@@ -226,14 +198,90 @@ double energy_along_truth(const Held& held, bite_line::CurveCosts costs,
   return curve ? curve->energy : 0;
 }
 
+/// A rival, and how much of both ways is on the known line, where that is known.
+struct JudgedRival {
+  double more_per_mm, length_mm, right_share, rival_right_share;
+  bool all_round;
+};
+
+struct SearchVerdict {
+  double wrong_mm{0};
+  double energy{0};
+  double known_energy{0};  ///< of the cheapest curve along the known line, where another one was found
+  std::vector<JudgedRival> rivals{};
+};
+
+std::vector<JudgedRival> judged_rivals(const Held& held, const bite_line::CurveCosts& costs,
+                                       const bite_line::CurveConfig& config, const ClosedCurve& curve) {
+  std::vector<Vec2> own;
+  for (const bite_line::CurveState& at : curve.states) own.push_back(held.raster.place(at.row, at.col));
+  const auto right_share = [&](const std::vector<Vec2>& places) {
+    double right = 0, known = 0;
+    for (const Vec2& place : places) {
+      if (!known_beside(held, place)) continue;
+      known += 1;
+      right += least_off_mm(place, held.truth, held.turn_mm) < 2.25 + held.truth_mm ? 1 : 0;
+    }
+    return known > 0 ? right / known : -1;
+  };
+  std::vector<JudgedRival> judged;
+  for (const bite_line::CurveRival& rival : bite_line::rivals_of(held.raster, costs, config, curve, {})) {
+    std::vector<Vec2> stretch;
+    for (std::size_t i = 0; i < rival.count; ++i) stretch.push_back(own[(rival.first + i) % own.size()]);
+    judged.push_back({.more_per_mm = bite_line::more_per_mm(rival, bite_line::PosteriorConfig{}.soft_mm),
+                      .length_mm = rival.length_mm,
+                      .right_share = right_share(stretch),
+                      .rival_right_share = right_share(rival.places),
+                      .all_round = bite_line::leads_all_round(rival, curve)});
+  }
+  return judged;
+}
+
+/// The unrolled side, lit from above and from the left; the curve is red, its rivals are blue, the known line
+/// is green.
+void draw(const Held& held, const bite_line::CurveCosts& costs, const bite_line::CurveConfig& config,
+          const ClosedCurve& curve, const std::string& folder) {
+  const Raster& raster = held.raster;
+  std::vector<std::array<std::uint8_t, 3>> pixels(raster.size());
+  const auto pixel = [&](int row, int col) -> auto& {
+    return pixels[static_cast<std::size_t>(raster.rows - 1 - row) * static_cast<std::size_t>(raster.cols) +
+                  static_cast<std::size_t>(raster.round_col(col))];
+  };
+  for (int row = 0; row < raster.rows; ++row)
+    for (int col = 0; col < raster.cols; ++col) {
+      const std::size_t cell = raster.at(row, col);
+      const float light = 0.6F - 0.35F * raster.up_ratio[cell] - 0.2F * raster.along_ratio[cell];
+      const auto grey = static_cast<std::uint8_t>(255 * std::clamp(light, 0.05F, 1.0F));
+      pixel(row, col) = raster.seen[cell] != 0 ? std::array{grey, grey, grey} : std::array<std::uint8_t, 3>{};
+    }
+  const auto put = [&](const Vec2& at, const std::array<std::uint8_t, 3>& colour) {
+    const int row = static_cast<int>(std::lround(raster.row_of(at.y())));
+    if (row >= 0 && row < raster.rows)
+      pixel(row, static_cast<int>(std::lround(raster.col_of(at.x())))) = colour;
+  };
+  for (const Vec2& at : held.truth) put(at, {0, 200, 0});
+  for (const bite_line::CurveRival& rival : bite_line::rivals_of(raster, costs, config, curve, {}))
+    for (const Vec2& at : rival.places) put(at, {60, 60, 255});
+  for (const bite_line::CurveState& at : curve.states) put(raster.place(at.row, at.col), {255, 0, 0});
+  std::string name = held.name;
+  std::ranges::replace(name, '/', '_');
+  std::ranges::replace(name, ' ', '_');
+  if (std::FILE* file = std::fopen((folder + "/" + name + ".ppm").c_str(), "wb")) {
+    std::fprintf(file, "P6 %d %d 255\n", raster.cols, raster.rows);
+    std::fwrite(pixels.data(), 3, pixels.size(), file);
+    std::fclose(file);
+  }
+}
+
 SearchVerdict searched(const Held& held, const CurveWeights& weights, const bite_line::CurveConfig& config,
-                       bool scored = false) {
+                       bool scored = false, const std::string& pictures = {}) {
   SearchVerdict verdict;
   CreaseLooks looks{held.raster};
   const bite_line::CurveCosts costs = bite_line::curve_costs(held.raster, looks, weights);
   const bite_line::CurveSearch search{costs, config};
   const std::optional<ClosedCurve> curve = search.best();
-  if (curve && scored) score(held, search, *curve, verdict);
+  if (curve && scored) verdict.rivals = judged_rivals(held, costs, config, *curve);
+  if (curve && !pictures.empty()) draw(held, costs, config, *curve, pictures);
   std::vector<Vec2> places;
   if (curve)
     for (const bite_line::CurveState& at : curve->states) places.push_back(held.raster.place(at.row, at.col));
@@ -256,7 +304,8 @@ void print_weights(const char* name, const SignWeights& weights) {
 
 class CurveFit {
  public:
-  CurveFit(CaseOptions cases, bite_line::CurveConfig config) : config_{config} {
+  CurveFit(CaseOptions cases, bite_line::CurveConfig config, double odds, std::string pictures)
+      : config_{config}, odds_{odds}, pictures_{std::move(pictures)} {
     for_cases(cases, [&](CurveCase&& of) {
       const std::optional<bite_line::Side> side = side_of(of.scan.cloud);
       if (!side) return;
@@ -319,10 +368,12 @@ class CurveFit {
     return all;
   }
 
-  [[nodiscard]] std::vector<SearchVerdict> search_all(const CurveWeights& weights) const {
+  [[nodiscard]] std::vector<SearchVerdict> search_all(CurveWeights weights) const {
+    weights.all[0] += static_cast<float>(odds_);
     std::vector<SearchVerdict> verdicts(held_.size());
-    tbb::parallel_for(std::size_t{0}, held_.size(),
-                      [&](std::size_t i) { verdicts[i] = searched(held_[i], weights, config_, true); });
+    tbb::parallel_for(std::size_t{0}, held_.size(), [&](std::size_t i) {
+      verdicts[i] = searched(held_[i], weights, config_, true, pictures_);
+    });
     return verdicts;
   }
 
@@ -338,35 +389,25 @@ class CurveFit {
                     Raster::k_cell_mm * static_cast<double>(held_[i].truth.size()), verdicts[i].energy,
                     verdicts[i].known_energy);
     }
-    tell_temperature(verdicts, right);
+    tell_rivals(verdicts);
     for (const auto& [kind, count] : right)
       std::printf("%s: %s right %d of %d\n", what, kind.c_str(), count.first, count.second);
     std::fflush(stdout);
   }
 
-  /// The likeliest one; each kind counts alike, as it is told.
-  void tell_temperature(const std::vector<SearchVerdict>& verdicts,
-                        const std::map<std::string, std::pair<int, int>>& kinds) const {
-    double most = -1e9, likeliest = 0;
-    for (std::size_t t = 0; t < k_temperatures.size(); ++t) {
-      std::map<std::string, double> sum;
-      for (std::size_t i = 0; i < held_.size(); ++i) sum[held_[i].kind] += verdicts[i].score[t];
-      std::printf("temperature %.1f: mean score", k_temperatures[t]);
-      double all = 0;
-      for (const auto& [kind, of_kind] : sum) {
-        const double mean = of_kind / kinds.at(kind).second;
-        std::printf(" %s %.4f", kind.c_str(), mean);
-        all += mean;
-      }
-      std::printf("\n");
-      if (all <= most) continue;
-      most = all;
-      likeliest = k_temperatures[t];
-    }
-    std::printf("likeliest temperature %.1f\n", likeliest);
+  /// Where PosteriorConfig comes from: a row for each rival.
+  void tell_rivals(const std::vector<SearchVerdict>& verdicts) const {
+    std::printf("rival,kind,name,leads,length_mm,more_per_mm,right_share,rival_right_share\n");
+    for (std::size_t i = 0; i < held_.size(); ++i)
+      for (const JudgedRival& rival : verdicts[i].rivals)
+        std::printf("rival,%s,%s,%s,%.1f,%.3f,%.2f,%.2f\n", held_[i].kind.c_str(), held_[i].name.c_str(),
+                    rival.all_round ? "round" : "part", rival.length_mm, rival.more_per_mm, rival.right_share,
+                    rival.rival_right_share);
   }
 
   bite_line::CurveConfig config_;
+  double odds_;
+  std::string pictures_;
   std::vector<Held> held_;
   std::vector<Sample> samples_;
   CurveWeights weights_{};
@@ -374,7 +415,9 @@ class CurveFit {
 
 int run(int argc, char** argv) {
   CaseOptions cases;
-  bite_line::CurveConfig config{.rival_excess = 6 * k_temperatures.back()};
+  bite_line::CurveConfig config;
+  double odds = 0;
+  std::string pictures;
   std::size_t threads = 2;
   bool only_check = false, leave_out = false;
   options::Command command{"Fits the curve's data term", "bench_curve_fit"};
@@ -383,12 +426,15 @@ int run(int argc, char** argv) {
   command.add_option("--guards", cases.guards, "with a toe guard")->capture_default_str();
   command.add_option("--heels", cases.heels, "with a high heel")->capture_default_str();
   command.add_option("--bend", config.bend_mm, "of the curve")->capture_default_str();
+  command.add_option("--odds", odds, "added to the product's log odds of the line before anything was seen")
+      ->capture_default_str();
+  command.add_option("--pictures", pictures, "unrolled sides with their curves go to this folder, as PPM");
   command.add_option("--threads", threads, "so many at once")->capture_default_str();
   command.add_flag("--check", only_check, "the product's own weights, fitting none");
   command.add_flag("--leave-out", leave_out, "each class and shape in turn");
   if (const std::optional<int> status = read_options(command, argc, argv)) return *status;
   const tbb::global_control limit{tbb::global_control::max_allowed_parallelism, threads};
-  CurveFit fit{cases, config};
+  CurveFit fit{cases, config, odds, pictures};
   if (only_check) {
     fit.check();
     return 0;

@@ -10,6 +10,7 @@
 
 #include "host/bite_line/curve/curve_costs.hpp"
 #include "host/bite_line/curve/curve_posterior.hpp"
+#include "host/bite_line/curve/curve_rivals.hpp"
 #include "host/bite_line/curve/curve_search.hpp"
 #include "host/bite_line/curve/find_by_curve.hpp"
 #include "tests/unit/host/bite_line/drum.hpp"
@@ -142,55 +143,83 @@ TEST(CurveSearch, ABendCostsTheSquareOfItsAngle) {
   DOUBLES_EQUAL(soft + 4 * one_bend, stiff, 0.05);
 }
 
-TEST(CurveSearch, TheNextBestCurveLiesOnTheOtherCrease) {
+TEST_GROUP(CurveRivals){};
+
+TEST(CurveRivals, AnotherCreaseAllRoundIsOneRival) {
   const CurveCosts costs = costs_where([](int row, int) { return row == 30 || row == 50; });
-  const CurveSearch search{costs, {}};
-  const std::optional<ClosedCurve> best = search.best();
-  const std::optional<ClosedCurve> other = search.other_than(*best);
-  CHECK(other.has_value());
-  LONGS_EQUAL(80, best->states.front().row + other->states.front().row);
-  DOUBLES_EQUAL(best->energy, other->energy, 1e-3);
+  const std::optional<ClosedCurve> best = CurveSearch{costs, {}}.best();
+  const std::vector<CurveRival> rivals = rivals_of(blank_raster(), costs, {}, *best, {.per_mm = {0.2, 0.2}});
+  LONGS_EQUAL(2, rivals.size());  // one for each search
+  LONGS_EQUAL(best->states.size(), rivals.front().count);
+  CHECK(leads_all_round(rivals.front(), *best));
+  DOUBLES_EQUAL(0, rivals.front().excess, 1e-3);
+  const double away_mm = rivals.front().places[5].y() - blank_raster().place(best->states[5].row, 0).y();
+  DOUBLES_EQUAL(15, std::abs(away_mm), 1e-6);
 }
 
-TEST(CurveSearch, ExcessIsNothingOnTheCurveAndTheWholeDetourBesideIt) {
-  constexpr float k_own = 0.05F;
-  const CurveCosts costs = costs_where([](int row, int) { return row == 30; }, k_own);
-  const CurveSearch search{costs, {.bend_mm = 0}};
-  const std::optional<ClosedCurve> curve = search.best();
-  const Large<float> excess = search.excess_about(*curve);
-  const int far_col = (curve->states.front().col + k_cols / 2) % k_cols;
-  DOUBLES_EQUAL(0, static_cast<double>(excess[costs.at(30, far_col)]), 1e-3);
-  // Up by one cell over two, and down again: half of each step costs 3, not 0.05.
-  const double detour = 2 * std::sqrt(5.0) * 0.75 * 0.5 * (0.05 + 3) - 4 * 0.75 * 0.05;
-  DOUBLES_EQUAL(detour, static_cast<double>(excess[costs.at(31, far_col)]), 1e-3);
+TEST(CurveRivals, AStretchBesideTheCurveTellsWhatItCostsMore) {
+  // Over a hundred columns a second crease, ten cells above, that begins and ends with 45 degrees.
+  constexpr int k_first = 100, k_last = 200, k_up = 10;
+  const CurveCosts costs = costs_where([](int row, int col) {
+    const int rise = std::min({k_up, col - k_first, k_last - col});
+    return row == 30 || (rise > 0 && row == 30 + rise);
+  });
+  const std::optional<ClosedCurve> best = CurveSearch{costs, {}}.best();
+  const std::vector<CurveRival> rivals = rivals_of(blank_raster(), costs, {}, *best, {.per_mm = {0.6, 0.6}});
+  LONGS_EQUAL(2, rivals.size());
+  const CurveRival& rival = rivals.front();
+  CHECK(!leads_all_round(rival, *best));
+  // Off by more than the band of 3 cells; the slants cost their length, the corners their bends.
+  DOUBLES_EQUAL(0.75 * (k_last - k_first - 8), rival.length_mm, 4);
+  CHECK(rival.excess > 0.5);
+  CHECK(rival.excess < 6);
+  double most_mm = 0;
+  for (const Vec2& place : rival.places) most_mm = std::max(most_mm, place.y());
+  DOUBLES_EQUAL(blank_raster().place(30 + k_up, 0).y(), most_mm, 1e-6);
+}
+
+TEST(CurveRivals, ACurveByItselfHasNone) {
+  const CurveCosts costs = costs_where([](int row, int) { return row == 30; });
+  const std::optional<ClosedCurve> best = CurveSearch{costs, {}}.best();
+  CHECK(rivals_of(blank_raster(), costs, {}, *best, {}).empty());
 }
 
 TEST_GROUP(CurvePosterior){};
 
-TEST(CurvePosterior, AnotherCreaseAsGoodTakesHalfOfTheLine) {
-  const CurveCosts costs = costs_where([](int row, int) { return row == 30 || row == 50; });
-  const CurveSearch search{costs, {}};
-  const std::optional<ClosedCurve> best = search.best();
-  Large<float> excess = search.excess_about(*best);
+TEST(CurvePosterior, AnotherWayAsLikelyTakesHalfOfItsStretchAlone) {
+  const CurveCosts costs = costs_where([](int row, int) { return row == 30; });
+  const std::optional<ClosedCurve> best = CurveSearch{costs, {}}.best();
   const Raster raster = blank_raster();
-  const std::vector<CurveStation> alone = curve_posterior(raster, *best, excess, {.temperature = 1});
-  CHECK(alone[10].hold > 0.99);
-  const std::optional<ClosedCurve> other = search.other_than(*best);
-  add_rival(raster, *other, 0, excess);
-  const std::vector<CurveStation> stations = curve_posterior(raster, *best, excess, {.temperature = 1});
-  DOUBLES_EQUAL(0.5, stations[10].hold, 0.03);
-  LONGS_EQUAL(1, stations[10].alternatives.size());
-  DOUBLES_EQUAL(15, std::abs(stations[10].alternatives.front().off_mm), 0.4);
-  DOUBLES_EQUAL(0.5, stations[10].alternatives.front().mass, 0.03);
+  constexpr PosteriorConfig k_config{};
+  CurveRival rival{.first = 20, .count = 40, .places = {}, .length_mm = 30, .excess = 0};
+  rival.excess = k_config.even * (rival.length_mm + k_config.soft_mm);
+  for (std::size_t i = rival.first; i < rival.first + rival.count; ++i)
+    rival.places.push_back(raster.place(best->states[i].row + 20, best->states[i].col));
+  const std::vector<CurveStation> stations = curve_posterior(raster, *best, {&rival, 1}, 2.25, k_config);
+  DOUBLES_EQUAL(0.5, stations[40].hold, 1e-6);
+  LONGS_EQUAL(1, stations[40].alternatives.size());
+  DOUBLES_EQUAL(15, stations[40].alternatives.front().off_mm, 1e-3);
+  DOUBLES_EQUAL(0.5, stations[40].alternatives.front().mass, 1e-6);
+  DOUBLES_EQUAL(1, stations[80].hold, 1e-6);
+}
+
+TEST(CurvePosterior, WaysThatLieTogetherCountOnce) {
+  const CurveCosts costs = costs_where([](int row, int) { return row == 30 || row == 50; });
+  const std::optional<ClosedCurve> best = CurveSearch{costs, {}}.best();
+  const Raster raster = blank_raster();
+  const std::vector<CurveRival> rivals = rivals_of(raster, costs, {}, *best, {});
+  LONGS_EQUAL(2, rivals.size());
+  const PosteriorConfig config{.even_all_round = 0};
+  DOUBLES_EQUAL(0.5, curve_posterior(raster, *best, rivals, 2.25, config)[10].hold, 0.01);
 }
 
 TEST(CurvePosterior, OneFlankOfAGuardIsNoRivalOfTheOther) {
   const CurveCosts costs = costs_where(on_gate);
-  const CurveSearch search{costs, {}};
-  const std::optional<ClosedCurve> curve = search.best();
-  const std::vector<CurveStation> stations =
-      curve_posterior(blank_raster(), *curve, search.excess_about(*curve), {.temperature = 1});
-  for (const CurveStation& station : stations) CHECK(station.hold > 0.9);
+  const std::optional<ClosedCurve> curve = CurveSearch{costs, {}}.best();
+  const Raster raster = blank_raster();
+  const std::vector<CurveRival> rivals = rivals_of(raster, costs, {}, *curve, {});
+  for (const CurveStation& station : curve_posterior(raster, *curve, rivals, 2.25, {}))
+    CHECK(station.hold > 0.9);
 }
 
 TEST_GROUP(CurveCosts){void teardown() override{forgive_underflow();

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+/// \file Where else the line may run: the stretches over which another way is hardly worse.
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "host/bite_line/curve/curve_search.hpp"
+#include "host/bite_line/curve/raster.hpp"
+
+namespace biteline::bite_line {
+
+/// Another way over one stretch of a curve.
+struct CurveRival {
+  std::size_t first{0};      ///< the curve's state where the way leaves it
+  std::size_t count{0};      ///< so many of its states stand beside the way; all of them: all round
+  std::vector<Vec2> places;  ///< of the way: s, z; s goes on once round
+  double length_mm{0};       ///< of the curve's stretch
+  double excess{0};          ///< so much more the way costs than the stretch
+};
+
+struct RivalConfig {
+  double same_mm{2.25};  ///< nearer to the curve is the same crease: placing the line looks so far
+  /// A way is a rival while it costs no more than so much for each millimetre.  One search for each: what
+  /// leads over less and costs less is hidden behind what leads over more.
+  std::array<double, 2> per_mm{0.2, 0.6};
+};
+
+/// The ways of the cheapest curve when all that lies beside `curve` costs so much more.
+/// What a stretch shows, its neighbours show, too: a mould line is as plain for a metre as for a centimetre.
+/// Energies of long stretches are therefore no likelihoods, and what tells rivals is how much they cost for
+/// each millimetre.
+[[nodiscard]] std::vector<CurveRival> rivals_of(const Raster& raster, const CurveCosts& costs,
+                                                const CurveConfig& search, const ClosedCurve& curve,
+                                                const RivalConfig& config);
+
+}  // namespace biteline::bite_line
