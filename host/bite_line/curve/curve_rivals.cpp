@@ -3,14 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <limits>
 #include <optional>
 #include <span>
-#include <tuple>
 #include <utility>
-
-#include <tbb/parallel_for.h>
 
 namespace biteline::bite_line {
 
@@ -149,12 +145,12 @@ std::vector<CurveRival> rivals_within(const Band& band, const Raster& raster, co
 std::vector<CurveRival> rivals_of(const Raster& raster, const CurveCosts& costs, const CurveConfig& search,
                                   const ClosedCurve& curve, const RivalConfig& config) {
   const Band band{raster, curve, config.same_mm};
-  std::array<std::vector<CurveRival>, std::tuple_size_v<decltype(config.per_mm)>> each;
-  tbb::parallel_for(std::size_t{0}, each.size(), [&](std::size_t k) {
-    each[k] = rivals_within(band, raster, costs, search, curve, config.per_mm[k]);
-  });
   std::vector<CurveRival> all;
-  for (std::vector<CurveRival>& rivals : each) std::ranges::move(rivals, std::back_inserter(all));
+  for (const double per_mm : config.per_mm) {
+    const std::vector<CurveRival> rivals = rivals_within(band, raster, costs, search, curve, per_mm);
+    if (rivals.empty()) break;
+    all.insert(all.end(), rivals.begin(), rivals.end());
+  }
   return all;
 }
 

@@ -22,9 +22,9 @@ struct CurveRival {
 
 struct RivalConfig {
   double same_mm{2.25};  ///< nearer to the curve is the same crease: placing the line looks so far
-  /// A way is a rival while it costs no more than so much for each millimetre.  One search for each: what
-  /// leads over less and costs less is hidden behind what leads over more.
-  std::array<double, 2> per_mm{0.2, 0.6};
+  /// A way is a rival while it costs no more than so much for each millimetre.  One search for each, until
+  /// one finds none: what leads over less and costs less is hidden behind what leads over more.
+  std::array<double, 2> per_mm{0.6, 0.2};
 };
 
 /// The ways of the cheapest curve when all that lies beside `curve` costs so much more.
