@@ -113,9 +113,8 @@ def unpack(packed, count, lengths, step):
 
 def read_profile(table):
     read, count = table.number, table.number(6, "I")
-    profile = {"sequence": read(0, "Q"), "frame_sequence": read(1, "Q"), "flags": read(5, "I"), "T_base_flange": table.motion(3),
-               "exposure_mid_ns": read(2, "q"), "encoder_ticks": read(18, "q", None),  # absent: no encoder is the pose
-               "speckle_contrast": read(19, "f", None)}
+    profile = {"sequence": read(0, "Q"), "frame_sequence": read(1, "Q"), "exposure_mid_ns": read(2, "q"), "flags": read(5, "I"),
+               "T_base_flange": table.motion(3), "encoder_ticks": read(18, "q", None), "speckle_contrast": read(19, "f", None)}
     for i, name in enumerate(FLOATS):
         bits = unpack(table.bytes(7 + i), count, DENSE, 0)
         profile[name] = struct.unpack("<%df" % count, struct.pack("<%dI" % count, *bits))
