@@ -18,8 +18,11 @@ Result<void> checked(GError* error, const char* what) {
   return failure;
 }
 
-/// Aravis gives a frame up after this; a busy machine may be late.
-constexpr guint k_retention_us = 5'000'000;
+/// A busy machine may be late.  Aravis asks for a packet again after k_packet_us, gives a frame up after
+/// k_retention_us, and also once it asked for more than k_asked times as many packets as the frame has: what
+/// it asked for too early counts.
+constexpr guint k_packet_us = 100'000, k_retention_us = 10'000'000;
+constexpr double k_asked = 2;
 
 }  // namespace
 
@@ -108,7 +111,8 @@ Result<void> AravisClient::start(int buffers) {
   BITELINE_TRY(checked(error, "PayloadSize"));
   state_->stream = arv_camera_create_stream(state_->camera, nullptr, nullptr, &error);
   BITELINE_TRY(checked(error, "stream"));
-  g_object_set(state_->stream, "frame-retention", k_retention_us, "packet-request-ratio", 1.0, nullptr);
+  g_object_set(state_->stream, "frame-retention", k_retention_us, "packet-timeout", k_packet_us,
+               "packet-request-ratio", k_asked, nullptr);
   for (int i = 0; i < buffers; ++i) arv_stream_push_buffer(state_->stream, arv_buffer_new_allocate(payload));
   if (state_->with_chunks) state_->chunks = arv_camera_create_chunk_parser(state_->camera);
   arv_camera_start_acquisition(state_->camera, &error);
@@ -120,7 +124,8 @@ std::optional<ArrivedFrame> AravisClient::next_frame(Nanoseconds timeout) {
       arv_stream_timeout_pop_buffer(state_->stream, static_cast<guint64>(timeout.count() / 1000));
   if (buffer == nullptr) return std::nullopt;
   ArrivedFrame frame;
-  frame.complete = arv_buffer_get_status(buffer) == ARV_BUFFER_STATUS_SUCCESS;
+  frame.status = arv_buffer_get_status(buffer);
+  frame.complete = frame.status == ARV_BUFFER_STATUS_SUCCESS;
   if (frame.complete) {
     frame.stamp = arv_buffer_get_timestamp(buffer);
     frame.pixel_format = arv_buffer_get_image_pixel_format(buffer);

@@ -15,6 +15,7 @@ namespace biteline::test {
 
 struct ArrivedFrame {
   bool complete{false};
+  int status{0};  ///< Aravis' own number for why it is not
   std::uint64_t stamp{0};
   std::uint32_t pixel_format{0};
   int width{0}, height{0};

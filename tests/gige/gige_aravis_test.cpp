@@ -87,6 +87,12 @@ TEST_GROUP(GigeAravis) {
     return lines;
   }
 
+  static void is_complete(const std::optional<test::ArrivedFrame>& arrived) {
+    CHECK_TEXT(arrived, "no frame came");
+    const std::string status = "Aravis' status " + std::to_string(arrived->status);
+    CHECK_TEXT(arrived->complete, status.c_str());
+  }
+
   void stream_with(gige::Format format, bool chunks) {
     SUCCEEDS(client->choose("PixelFormat", name_of(format)));
     SUCCEEDS(client->set("Height", k_lines));
@@ -103,9 +109,8 @@ TEST_GROUP(GigeAravis) {
       server->offer(k_scan, test::made_profile(0, 1));
       server->end_scan();
       const auto arrived = client->next_frame(20s);
-      CHECK(arrived && arrived->complete);
-      const auto filled = client->next_frame(20s);
-      CHECK(filled && filled->complete);
+      is_complete(arrived);
+      is_complete(client->next_frame(20s));
       LONGS_EQUAL(k_columns, arrived->width);
       LONGS_EQUAL(k_lines, arrived->height);
       LONGS_EQUAL(static_cast<std::uint32_t>(format), arrived->pixel_format);
@@ -131,7 +136,8 @@ TEST_GROUP(GigeAravis) {
     const gige::ServerCounts after = server->counts();
     LONGS_EQUAL(0, client->statistics().failed);
     LONGS_EQUAL(0, after.stream.unavailable);
-    CHECK_EQUAL(before.lost != after.lost, after.stream.resent != before.stream.resent);
+    // A client on a busy machine also asks for what is late.
+    CHECK(before.lost == after.lost || after.stream.resent != before.stream.resent);
   }
 };
 
@@ -199,7 +205,7 @@ TEST(GigeAravis, PicturesAreThePictures) {
     server->set_exposure(exposure_of(3));
     server->offer(k_scan, picture);
     const auto arrived = client->next_frame(20s);
-    CHECK(arrived && arrived->complete);
+    is_complete(arrived);
     LONGS_EQUAL(640, arrived->width);
     LONGS_EQUAL(480, arrived->height);
     LONGS_EQUAL(static_cast<std::uint32_t>(gige::Format::Mono8), arrived->pixel_format);
