@@ -126,7 +126,7 @@ bool leave_out_height(Places places, std::vector<std::uint8_t>& keep, std::vecto
   std::vector<double> candidates{commonest(sorted).value};
   if (!sorted.empty()) candidates.insert(candidates.end(), {sorted.front(), sorted.back()});
   for (const double value : candidates) {
-    const auto [begin, end] = std::ranges::equal_range(sorted, value);
+    const auto [begin, end] = std::equal_range(sorted.begin(), sorted.end(), value);
     const auto count = static_cast<std::size_t>(end - begin);
     std::vector<double> rest(sorted.begin(), begin);
     rest.insert(rest.end(), end, sorted.end());

@@ -27,7 +27,6 @@ class Band {
           take(raster.at(at.row + r, raster.round_col(at.col + c)), i, static_cast<float>(r * r + c * c));
     }
   }
-  [[nodiscard]] bool holds(std::size_t cell) const { return near_[cell] != k_none; }
   /// The curve's state beside a state within the band.
   [[nodiscard]] std::optional<std::size_t> beside(const CurveState& at) const {
     const std::size_t station = near_[raster_.at(at.row, raster_.round_col(at.col))];
@@ -49,13 +48,38 @@ class Band {
   std::vector<float> off_;
 };
 
-CurveCosts dearer_beside(const Band& band, const CurveCosts& costs, double per_mm) {
-  CurveCosts dearer = costs;
-  for (std::size_t cell = 0; cell < dearer.per_mm.size() / k_directions; ++cell)
-    if (band.holds(cell))
-      for (std::size_t k = 0; k < k_directions; ++k) dearer.of(cell, k) += static_cast<float>(per_mm);
-  return dearer;
-}
+/// The costs when some cells are dearer.
+class DearerCosts {
+ public:
+  DearerCosts(const Raster& raster, const CurveCosts& costs, const RivalConfig& config)
+      : raster_{raster}, costs_{costs}, config_{config}, dearer_(raster.size(), 0) {}
+
+  /// What lies beside these states.
+  void raise(std::span<const CurveState> states) {
+    const int reach = static_cast<int>(config_.same_mm / Raster::k_cell_mm);
+    for (const CurveState& at : states) {
+      for (int col = at.col - reach; col <= at.col + reach; ++col) {
+        for (int row = std::max(0, at.row - reach); row <= std::min(raster_.rows - 1, at.row + reach); ++row)
+          raise(raster_.at(row, raster_.round_col(col)));
+      }
+    }
+  }
+  [[nodiscard]] bool is_dearer(const CurveState& at) const {
+    return dearer_[raster_.at(at.row, raster_.round_col(at.col))] != 0;
+  }
+  [[nodiscard]] const CurveCosts& costs() const { return costs_; }
+
+ private:
+  void raise(std::size_t cell) {
+    if (std::exchange(dearer_[cell], std::uint8_t{1}) != 0) return;
+    for (std::size_t k = 0; k < k_directions; ++k) costs_.of(cell, k) += static_cast<float>(config_.per_mm);
+  }
+
+  const Raster& raster_;
+  CurveCosts costs_;
+  RivalConfig config_;
+  std::vector<std::uint8_t> dearer_;
+};
 
 std::vector<Vec2> places_of(const Raster& raster, std::span<const CurveState> states) {
   std::vector<Vec2> places;
@@ -96,32 +120,36 @@ std::vector<Away> stretches_away(std::size_t n, IsAway&& is_away) {
   return all;
 }
 
-std::vector<CurveRival> rivals_within(const Band& band, const Raster& raster, const CurveCosts& costs,
-                                      const CurveConfig& search, const ClosedCurve& curve, double per_mm) {
-  const CurveCosts dearer = dearer_beside(band, costs, per_mm);
-  const std::optional<ClosedCurve> other = CurveSearch{dearer, search}.best();
-  if (!other) return {};
-  const std::size_t n = other->states.size(), own = curve.states.size();
-  const auto beside = [&](std::size_t i) { return band.beside(other->states[i % n]); };
+/// A rival, and the states of its way.
+struct FoundWay {
+  CurveRival rival;
+  std::vector<CurveState> states;
+};
+
+/// Where `other` leads away from `curve`.
+std::vector<FoundWay> ways_of(const ClosedCurve& other, const Band& band, const Raster& raster,
+                              const CurveCosts& costs, const CurveConfig& search, const ClosedCurve& curve) {
+  const std::size_t n = other.states.size(), own = curve.states.size();
+  const auto beside = [&](std::size_t i) { return band.beside(other.states[i % n]); };
   const auto way_cost = [&](std::size_t first, std::size_t count) {
-    return energy_of(part_of(*other, first, count + 1, raster.cols), costs, search);
+    return energy_of(part_of(other, first, count + 1, raster.cols), costs, search);
   };
   const auto own_cost = [&](std::size_t first, std::size_t count) {
     return energy_of(part_of(curve, first, count + 1, raster.cols), costs, search);
   };
   const std::vector<Away> away = stretches_away(n, [&](std::size_t i) { return !beside(i); });
   if (away.empty()) return {};
-  const auto rival = [&](std::size_t first, std::size_t count, std::span<const CurveState> way,
-                         double excess) {
-    return CurveRival{.first = first,
-                      .count = count,
-                      .places = places_of(raster, way),
-                      .length_mm = length_of(part_of(curve, first, count + 1, raster.cols)),
-                      .excess = excess};
+  const auto found = [&](std::size_t first, std::size_t count, std::vector<CurveState> way, double excess) {
+    return FoundWay{.rival = {.first = first,
+                              .count = count,
+                              .places = places_of(raster, way),
+                              .length_mm = length_of(part_of(curve, first, count + 1, raster.cols)),
+                              .excess = excess},
+                    .states = std::move(way)};
   };
   const double all_more = way_cost(0, n) - own_cost(0, own);
-  if (away.front().count == n) return {rival(0, own, other->states, all_more)};
-  std::vector<CurveRival> rivals;
+  if (away.front().count == n) return {found(0, own, other.states, all_more)};
+  std::vector<FoundWay> ways;
   for (std::size_t k = 0; k < away.size(); ++k) {
     const Away& here = away[k];
     const std::size_t leaves = *beside(here.first + n - 1), returns = *beside(here.first + here.count);
@@ -134,10 +162,10 @@ std::vector<CurveRival> rivals_within(const Band& band, const Raster& raster, co
     const std::size_t from = *beside(begin), to = *beside(end);
     const double more =
         away.size() == 1 ? all_more : way_cost(begin, end - begin) - own_cost(from, (to + own - from) % own);
-    rivals.push_back(rival(leaves, (returns + own - leaves) % own,
-                           part_of(*other, here.first + n - 1, here.count + 2, raster.cols), more));
+    ways.push_back(found(leaves, (returns + own - leaves) % own,
+                         part_of(other, here.first + n - 1, here.count + 2, raster.cols), more));
   }
-  return rivals;
+  return ways;
 }
 
 }  // namespace
@@ -145,13 +173,25 @@ std::vector<CurveRival> rivals_within(const Band& band, const Raster& raster, co
 std::vector<CurveRival> rivals_of(const Raster& raster, const CurveCosts& costs, const CurveConfig& search,
                                   const ClosedCurve& curve, const RivalConfig& config) {
   const Band band{raster, curve, config.same_mm};
-  std::vector<CurveRival> all;
-  for (const double per_mm : config.per_mm) {
-    const std::vector<CurveRival> rivals = rivals_within(band, raster, costs, search, curve, per_mm);
-    if (rivals.empty()) break;
-    all.insert(all.end(), rivals.begin(), rivals.end());
+  const std::vector<CurveState> once_round = part_of(curve, 0, curve.states.size() + 1, raster.cols);
+  DearerCosts dearer{raster, costs, config};
+  dearer.raise(once_round);
+  const double own_cost = energy_of(once_round, dearer.costs(), search);
+  std::vector<CurveRival> rivals;
+  for (int i = 0; i < config.searches; ++i) {
+    const std::optional<ClosedCurve> other = CurveSearch{dearer.costs(), search}.best(own_cost);
+    if (!other) break;
+    std::vector<FoundWay> ways = ways_of(*other, band, raster, costs, search, curve);
+    std::erase_if(ways, [&](const FoundWay& way) {
+      return std::ranges::all_of(way.states, [&](const CurveState& at) { return dearer.is_dearer(at); });
+    });
+    if (ways.empty()) break;
+    for (FoundWay& way : ways) {
+      dearer.raise(way.states);
+      rivals.push_back(std::move(way.rival));
+    }
   }
-  return all;
+  return rivals;
 }
 
 }  // namespace biteline::bite_line

@@ -2,7 +2,6 @@
 #pragma once
 /// \file Where else the line may run: the stretches over which another way is hardly worse.
 
-#include <array>
 #include <cstddef>
 #include <vector>
 
@@ -22,12 +21,13 @@ struct CurveRival {
 
 struct RivalConfig {
   double same_mm{2.25};  ///< nearer to the curve is the same crease: placing the line looks so far
-  /// A way is a rival while it costs no more than so much for each millimetre.  One search for each, until
-  /// one finds none: what leads over less and costs less is hidden behind what leads over more.
-  std::array<double, 2> per_mm{0.6, 0.2};
+  double per_mm{0.6};    ///< a way is a rival while it costs no more than so much for each millimetre
+  /// So many searches at most: each also finds what leads over other stretches than the ones before.
+  int searches{3};
 };
 
-/// The ways of the cheapest curve when all that lies beside `curve` costs so much more.
+/// The ways of the cheapest curve when all that lies beside `curve` costs so much more; then of the cheapest
+/// one when what lies beside these ways does, too; and so on until there is no other.
 /// What a stretch shows, its neighbours show, too: a mould line is as plain for a metre as for a centimetre.
 /// Energies of long stretches are therefore no likelihoods, and what tells rivals is how much they cost for
 /// each millimetre.

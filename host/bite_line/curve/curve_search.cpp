@@ -296,10 +296,10 @@ std::optional<ClosedCurve> CurveSearch::through_column(std::span<const int> rows
   return other ? other : one;
 }
 
-std::optional<ClosedCurve> CurveSearch::best() const {
+std::optional<ClosedCurve> CurveSearch::best(double limit) const {
   std::vector<int> rows(static_cast<std::size_t>(costs_.rows));
   std::iota(rows.begin(), rows.end(), 0);
-  return through_column(rows, k_out_of_reach);
+  return through_column(rows, std::min(static_cast<float>(limit), k_out_of_reach));
 }
 
 }  // namespace biteline::bite_line

@@ -44,11 +44,13 @@ struct CurveConfig {
 /// 2003.
 class CurveSearch {
  public:
+  static constexpr double k_no_limit = 1e9;
+
   /// `costs`: borrowed.
   CurveSearch(const CurveCosts& costs, const CurveConfig& config);
 
-  /// The cheapest one; none where the side has none.
-  [[nodiscard]] std::optional<ClosedCurve> best() const;
+  /// The cheapest one; none where the side has none that costs less than `limit`.
+  [[nodiscard]] std::optional<ClosedCurve> best(double limit = k_no_limit) const;
 
  private:
   /// What a sweep found, per state of the unrolled side.

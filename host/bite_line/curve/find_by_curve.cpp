@@ -136,7 +136,7 @@ class CurvePlacer {
 
   /// Sections are upright by the line's definition; only where it climbs steeply is the side levelled first.
   [[nodiscard]] PlacedCurve run() const {
-    constexpr double k_steep = 0.5;
+    constexpr double k_steep = 0.9;
     const SideGrid& grid = side_.field.grid;
     const double turn_mm = side_.outline.length_mm();
     const auto stations = on_columns(found_.stations, grid, [&](const Vec2& at) {

@@ -237,23 +237,36 @@ std::vector<JudgedRival> judged_rivals(const Held& held, const bite_line::CurveC
   return judged;
 }
 
-/// The unrolled side, lit from above and from the left; the curve is red, its rivals are blue, the known line
-/// is green.
+/// Three pictures of the unrolled side: lit from above and from the left; how cheap a curve is in its best
+/// direction; and again the first, where the curve is red, its rivals are blue, the known line is green.
 void draw(const Held& held, const bite_line::CurveCosts& costs, const bite_line::CurveConfig& config,
           const ClosedCurve& curve, const std::string& folder) {
   const Raster& raster = held.raster;
-  std::vector<std::array<std::uint8_t, 3>> pixels(raster.size());
-  const auto pixel = [&](int row, int col) -> auto& {
-    return pixels[static_cast<std::size_t>(raster.rows - 1 - row) * static_cast<std::size_t>(raster.cols) +
+  constexpr std::size_t k_lit = 0, k_cheap = 1, k_drawn = 2, k_pictures = 3;
+  std::vector<std::array<std::uint8_t, 3>> pixels(k_pictures * raster.size());
+  const auto pixel_of = [&](std::size_t picture, int row, int col) -> auto& {
+    return pixels[(picture * static_cast<std::size_t>(raster.rows) +
+                   static_cast<std::size_t>(raster.rows - 1 - row)) *
+                      static_cast<std::size_t>(raster.cols) +
                   static_cast<std::size_t>(raster.round_col(col))];
+  };
+  const auto grey_of = [](float light) {
+    const auto grey = static_cast<std::uint8_t>(255 * std::clamp(light, 0.05F, 1.0F));
+    return std::array{grey, grey, grey};
   };
   for (int row = 0; row < raster.rows; ++row)
     for (int col = 0; col < raster.cols; ++col) {
       const std::size_t cell = raster.at(row, col);
-      const float light = 0.6F - 0.35F * raster.up_ratio[cell] - 0.2F * raster.along_ratio[cell];
-      const auto grey = static_cast<std::uint8_t>(255 * std::clamp(light, 0.05F, 1.0F));
-      pixel(row, col) = raster.seen[cell] != 0 ? std::array{grey, grey, grey} : std::array<std::uint8_t, 3>{};
+      if (raster.seen[cell] == 0) continue;
+      const auto lit = grey_of(0.6F - 0.35F * raster.up_ratio[cell] - 0.2F * raster.along_ratio[cell]);
+      pixel_of(k_lit, row, col) = pixel_of(k_drawn, row, col) = lit;
+      const float* const cost = &costs.per_mm[cell * bite_line::k_directions];
+      pixel_of(k_cheap, row, col) =
+          grey_of(std::exp(-*std::min_element(cost, cost + bite_line::k_directions)));
     }
+  const auto pixel = [&](int row, int col) -> auto& {
+    return pixel_of(k_drawn, row, col);
+  };
   const auto put = [&](const Vec2& at, const std::array<std::uint8_t, 3>& colour) {
     const int row = static_cast<int>(std::lround(raster.row_of(at.y())));
     if (row >= 0 && row < raster.rows)
@@ -267,7 +280,7 @@ void draw(const Held& held, const bite_line::CurveCosts& costs, const bite_line:
   std::ranges::replace(name, '/', '_');
   std::ranges::replace(name, ' ', '_');
   if (std::FILE* file = std::fopen((folder + "/" + name + ".ppm").c_str(), "wb")) {
-    std::fprintf(file, "P6 %d %d 255\n", raster.cols, raster.rows);
+    std::fprintf(file, "P6 %d %d 255\n", raster.cols, static_cast<int>(k_pictures) * raster.rows);
     std::fwrite(pixels.data(), 3, pixels.size(), file);
     std::fclose(file);
   }

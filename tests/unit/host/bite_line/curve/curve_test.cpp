@@ -148,8 +148,8 @@ TEST_GROUP(CurveRivals){};
 TEST(CurveRivals, AnotherCreaseAllRoundIsOneRival) {
   const CurveCosts costs = costs_where([](int row, int) { return row == 30 || row == 50; });
   const std::optional<ClosedCurve> best = CurveSearch{costs, {}}.best();
-  const std::vector<CurveRival> rivals = rivals_of(blank_raster(), costs, {}, *best, {.per_mm = {0.2, 0.2}});
-  LONGS_EQUAL(2, rivals.size());  // one for each search
+  const std::vector<CurveRival> rivals = rivals_of(blank_raster(), costs, {}, *best, {.per_mm = 0.2});
+  LONGS_EQUAL(1, rivals.size());
   LONGS_EQUAL(best->states.size(), rivals.front().count);
   CHECK(leads_all_round(rivals.front(), *best));
   DOUBLES_EQUAL(0, rivals.front().excess, 1e-3);
@@ -165,8 +165,8 @@ TEST(CurveRivals, AStretchBesideTheCurveTellsWhatItCostsMore) {
     return row == 30 || (rise > 0 && row == 30 + rise);
   });
   const std::optional<ClosedCurve> best = CurveSearch{costs, {}}.best();
-  const std::vector<CurveRival> rivals = rivals_of(blank_raster(), costs, {}, *best, {.per_mm = {0.6, 0.6}});
-  LONGS_EQUAL(2, rivals.size());
+  const std::vector<CurveRival> rivals = rivals_of(blank_raster(), costs, {}, *best, {.per_mm = 0.6});
+  LONGS_EQUAL(1, rivals.size());
   const CurveRival& rival = rivals.front();
   CHECK(!leads_all_round(rival, *best));
   // Off by more than the band of 3 cells; the slants cost their length, the corners their bends.
@@ -176,6 +176,26 @@ TEST(CurveRivals, AStretchBesideTheCurveTellsWhatItCostsMore) {
   double most_mm = 0;
   for (const Vec2& place : rival.places) most_mm = std::max(most_mm, place.y());
   DOUBLES_EQUAL(blank_raster().place(30 + k_up, 0).y(), most_mm, 1e-6);
+}
+
+TEST(CurveRivals, OneBehindAnotherIsFoundAsWell) {
+  // Two more creases: one all round, and a dearer one over a part.
+  const CurveCosts costs = costs_where([](int row, int col) {
+    const bool on_part = row == 60 && col > 50 && col < 150;
+    const bool on_flank = (col == 51 || col == 149) && row > 30 && row < 60;
+    return row == 30 || row == 15 || on_part || on_flank;
+  });
+  const std::optional<ClosedCurve> best = CurveSearch{costs, {}}.best();
+  const std::vector<CurveRival> rivals = rivals_of(blank_raster(), costs, {}, *best, {.per_mm = 0.6});
+  const auto leads_to = [&](const CurveRival& rival, int row) {
+    return std::ranges::any_of(rival.places, [&](const Vec2& at) {
+      return std::abs(at.y() - blank_raster().place(row, 0).y()) < 1e-6;
+    });
+  };
+  CHECK(std::ranges::any_of(rivals, [&](const CurveRival& rival) { return leads_to(rival, 60); }));
+  CHECK(std::ranges::any_of(rivals, [&](const CurveRival& rival) {
+    return leads_to(rival, best->states.front().row == 30 ? 15 : 30);
+  }));
 }
 
 TEST(CurveRivals, ACurveByItselfHasNone) {
@@ -207,8 +227,9 @@ TEST(CurvePosterior, WaysThatLieTogetherCountOnce) {
   const CurveCosts costs = costs_where([](int row, int) { return row == 30 || row == 50; });
   const std::optional<ClosedCurve> best = CurveSearch{costs, {}}.best();
   const Raster raster = blank_raster();
-  const std::vector<CurveRival> rivals = rivals_of(raster, costs, {}, *best, {});
-  LONGS_EQUAL(2, rivals.size());
+  std::vector<CurveRival> rivals = rivals_of(raster, costs, {}, *best, {});
+  LONGS_EQUAL(1, rivals.size());
+  rivals.push_back(rivals.front());
   const PosteriorConfig config{.even_all_round = 0};
   DOUBLES_EQUAL(0.5, curve_posterior(raster, *best, rivals, 2.25, config)[10].hold, 0.01);
 }
