@@ -114,6 +114,7 @@ SweepScan scan_of(const SweepCell& cell) {
                                        : sim::draw_shoe(cell.shoe.shoe_class, cell.seed);
   drawn.groove.step_mm *= cell.crease_ratio;
   drawn.groove.depth_mm *= cell.crease_ratio;
+  if (cell.seam) drawn.upper.parallel_seams.push_back(*cell.seam);
   const sim::MadeShoe shoe{drawn};
   sim::Random random{cell.seed * 77 + 5};
   SE3 T_base_shoe = SE3::Identity();

@@ -27,6 +27,9 @@ struct SweepCell {
   double crease_ratio{
       1};  ///< of the step and the depth drawn: a sole may be nearly flush, its decoys are not
 
+  /// Besides what is drawn.
+  std::optional<sim::UpperShape::ParallelSeam> seam{};
+
   [[nodiscard]] bool is_shoe() const {
     return !sim::is_thing(shoe.shoe_class) && shoe.shoe_class != sim::ShoeClass::Bare;
   }

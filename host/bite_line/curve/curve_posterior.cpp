@@ -104,8 +104,9 @@ bool leads_all_round(const CurveRival& rival, const ClosedCurve& curve) {
 }
 
 double log_odds_of(const CurveRival& rival, const ClosedCurve& curve, const PosteriorConfig& config) {
-  const double even = leads_all_round(rival, curve) ? config.even_all_round : config.even;
-  return config.steepness * (even - more_per_mm(rival, config.soft_mm));
+  double even = rival.above_mm < -config.below_mm ? config.even_below : config.even;
+  if (leads_all_round(rival, curve)) even = std::copysign(config.even_round, rival.above_mm);
+  return config.steepness * (even - more_per_mm(rival, config.soft_mm)) + rival.as_whole;
 }
 
 std::vector<CurveStation> curve_posterior(const Raster& raster, const ClosedCurve& curve,

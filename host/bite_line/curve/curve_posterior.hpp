@@ -13,15 +13,21 @@ namespace biteline::bite_line {
 
 /// That a way is the line and the curve beside it is not: a logistic function of how much more it costs for
 /// each millimetre, `soft_mm` being added to its length, so that a short way must cost something, too.
-/// Chosen by hand on the rows of bench_curve_fit for 203 made shoes and six shapes.  Of stretches whose rival
-/// costs 0.1 to 0.4 more 4 of 22 were wrong; beyond that none of 6.  No rival all the way round has been the
-/// line: 31 of 31, ledges of soles, were not.
+/// Chosen by hand on the rows of bench_curve_fit.
+///
+/// The bite line is the highest crease between two surfaces.  So of two that go all the way round the upper
+/// one is the line wherever it is one at all: of 31 pairs all.  Over a part of the way it is the other way
+/// round: what was taken wrongly is the upper edge of a cap, a counter or a bumper, and the line runs well
+/// below it.
 struct PosteriorConfig {
   double soft_mm{25.0};
-  double even{0.25};             ///< a way that costs so much more is as likely as the curve ...
-  double even_all_round{-0.15};  ///< ... and one that goes all the way round beside it
-  double steepness{20.0};        ///< of the log odds
-  double least_mass{0.02};       ///< a less likely place is no alternative
+  /// A way that costs so much more is as likely as the curve ...
+  double even{0.05};
+  double even_below{0.35};  ///< ... one that lies `below_mm` lower
+  double below_mm{6.0};
+  double even_round{0.3};   ///< ... and one that goes all the way round above it; so much less, below it
+  double steepness{20.0};   ///< of the log odds
+  double least_mass{0.02};  ///< a less likely place is no alternative
 };
 
 /// Another place that a curve may have, square to it.

@@ -87,6 +87,12 @@ std::vector<Vec2> places_of(const Raster& raster, std::span<const CurveState> st
   return places;
 }
 
+double mean_height_mm(std::span<const Vec2> places) {
+  double sum = 0;
+  for (const Vec2& place : places) sum += place.y();
+  return sum / static_cast<double>(places.size());
+}
+
 /// `count` states from the `first` on, where they go on behind the last once round, too.
 std::vector<CurveState> part_of(const ClosedCurve& curve, std::size_t first, std::size_t count, int cols) {
   const std::size_t n = curve.states.size();
@@ -120,15 +126,10 @@ std::vector<Away> stretches_away(std::size_t n, IsAway&& is_away) {
   return all;
 }
 
-/// A rival, and the states of its way.
-struct FoundWay {
-  CurveRival rival;
-  std::vector<CurveState> states;
-};
-
 /// Where `other` leads away from `curve`.
-std::vector<FoundWay> ways_of(const ClosedCurve& other, const Band& band, const Raster& raster,
-                              const CurveCosts& costs, const CurveConfig& search, const ClosedCurve& curve) {
+std::vector<CurveRival> ways_of(const ClosedCurve& other, const Band& band, const Raster& raster,
+                                const CurveCosts& costs, const CurveConfig& search,
+                                const ClosedCurve& curve) {
   const std::size_t n = other.states.size(), own = curve.states.size();
   const auto beside = [&](std::size_t i) { return band.beside(other.states[i % n]); };
   const auto way_cost = [&](std::size_t first, std::size_t count) {
@@ -140,16 +141,20 @@ std::vector<FoundWay> ways_of(const ClosedCurve& other, const Band& band, const 
   const std::vector<Away> away = stretches_away(n, [&](std::size_t i) { return !beside(i); });
   if (away.empty()) return {};
   const auto found = [&](std::size_t first, std::size_t count, std::vector<CurveState> way, double excess) {
-    return FoundWay{.rival = {.first = first,
-                              .count = count,
-                              .places = places_of(raster, way),
-                              .length_mm = length_of(part_of(curve, first, count + 1, raster.cols)),
-                              .excess = excess},
-                    .states = std::move(way)};
+    std::vector<Vec2> places = places_of(raster, way);
+    const std::vector<CurveState> stretch = part_of(curve, first, count + 1, raster.cols);
+    const double above_mm = mean_height_mm(places) - mean_height_mm(places_of(raster, stretch));
+    return CurveRival{.first = first,
+                      .count = count,
+                      .states = std::move(way),
+                      .places = std::move(places),
+                      .length_mm = length_of(stretch),
+                      .above_mm = above_mm,
+                      .excess = excess};
   };
   const double all_more = way_cost(0, n) - own_cost(0, own);
   if (away.front().count == n) return {found(0, own, other.states, all_more)};
-  std::vector<FoundWay> ways;
+  std::vector<CurveRival> ways;
   for (std::size_t k = 0; k < away.size(); ++k) {
     const Away& here = away[k];
     const std::size_t leaves = *beside(here.first + n - 1), returns = *beside(here.first + here.count);
@@ -181,14 +186,14 @@ std::vector<CurveRival> rivals_of(const Raster& raster, const CurveCosts& costs,
   for (int i = 0; i < config.searches; ++i) {
     const std::optional<ClosedCurve> other = CurveSearch{dearer.costs(), search}.best(own_cost);
     if (!other) break;
-    std::vector<FoundWay> ways = ways_of(*other, band, raster, costs, search, curve);
-    std::erase_if(ways, [&](const FoundWay& way) {
+    std::vector<CurveRival> ways = ways_of(*other, band, raster, costs, search, curve);
+    std::erase_if(ways, [&](const CurveRival& way) {
       return std::ranges::all_of(way.states, [&](const CurveState& at) { return dearer.is_dearer(at); });
     });
     if (ways.empty()) break;
-    for (FoundWay& way : ways) {
+    for (CurveRival& way : ways) {
       dearer.raise(way.states);
-      rivals.push_back(std::move(way.rival));
+      rivals.push_back(std::move(way));
     }
   }
   return rivals;

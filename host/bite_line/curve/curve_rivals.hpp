@@ -12,11 +12,15 @@ namespace biteline::bite_line {
 
 /// Another way over one stretch of a curve.
 struct CurveRival {
-  std::size_t first{0};      ///< the curve's state where the way leaves it
-  std::size_t count{0};      ///< so many of its states stand beside the way; all of them: all round
-  std::vector<Vec2> places;  ///< of the way: s, z; s goes on once round
-  double length_mm{0};       ///< of the curve's stretch
-  double excess{0};          ///< so much more the way costs than the stretch
+  std::size_t first{0};            ///< the curve's state where the way leaves it
+  std::size_t count{0};            ///< so many of its states stand beside the way; all of them: all round
+  std::vector<CurveState> states;  ///< of the way
+  std::vector<Vec2> places;        ///< of these: s, z; s goes on once round
+  double length_mm{0};             ///< of the curve's stretch
+  double above_mm{0};              ///< mean height of the way over that of the stretch
+  double excess{0};                ///< so much more the way costs than the stretch
+  /// Log odds of a way all round by what it and the curve are as wholes; 0 where nobody looked.
+  double as_whole{0};
 };
 
 struct RivalConfig {

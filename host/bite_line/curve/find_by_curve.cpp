@@ -6,6 +6,7 @@
 #include <span>
 #include <utility>
 
+#include "host/bite_line/curve/curve_on_side.hpp"
 #include "host/bite_line/layers/layers.hpp"
 #include "host/bite_line/level/levelled.hpp"
 #include "host/bite_line/level/place_along.hpp"
@@ -26,12 +27,6 @@ constexpr double k_top_mm = 150;
 // Of the curve's smoothing: its cells have corners.
 constexpr double k_curve_sigma_mm = 1.5;
 
-Raster raster_of(const Side& side) {
-  const SideGrid& grid = side.field.grid;
-  return Raster::of({side.field.places.data(), side.field.places.size()}, side.outline.length_mm(),
-                    grid.z_low_mm, grid.rows * grid.row_mm, side.field.points_per_mm2);
-}
-
 /// The station beside each column, by where a station lies along the columns.
 template <class Along>
 std::vector<const CurveStation*> on_columns(const std::vector<CurveStation>& stations, const SideGrid& grid,
@@ -49,26 +44,12 @@ std::vector<const CurveStation*> on_columns(const std::vector<CurveStation>& sta
   return beside;
 }
 
-/// The raster tells a place to one of its cells; within that the line is where the field turns most.
-std::vector<int> on_crest(const SideField& field, std::span<const int> path) {
-  const SideGrid& grid = field.grid;
-  const int reach = static_cast<int>(std::lround(Raster::k_cell_mm / grid.row_mm));
-  std::vector<int> crest;
-  for (int col = 0; col < grid.cols; ++col) {
-    const int middle = path[static_cast<std::size_t>(col)];
-    int best = middle;
-    for (int row = std::max(0, middle - reach); row <= std::min(grid.rows - 1, middle + reach); ++row)
-      if (field.turn_rad[grid.at(row, col)] > field.turn_rad[grid.at(best, col)]) best = row;
-    crest.push_back(best);
-  }
-  return crest;
-}
-
 /// What else the line may be on one side of it, a stretch of columns after the other.  `rise_mm`: how much
 /// higher an alternative lies.
 template <class Rise>
 void add_rivals(std::span<const CurveStation* const> stations, const SideField& field,
-                std::span<const int> path, bool above, Rise&& rise_mm, std::vector<Rival>& rivals) {
+                std::span<const int> path, double evidence, bool above, Rise&& rise_mm,
+                std::vector<Rival>& rivals) {
   constexpr double k_jump_mm = 3.0, k_least_mm = 5.0;
   const SideGrid& grid = field.grid;
   const std::size_t cols = path.size();
@@ -92,7 +73,9 @@ void add_rivals(std::span<const CurveStation* const> stations, const SideField& 
       const std::size_t c = (stretch.first + k) % cols;
       row[c] = std::clamp(row[c] + static_cast<int>(std::lround(by_mm[c] / grid.row_mm)), 0, grid.rows - 1);
     }
-    rivals.push_back({.crease = describe(field, {}, on_crest(field, row), {}),
+    Crease crease = describe(field, {}, on_crest(field, row, Raster::k_cell_mm), {});
+    crease.evidence = evidence;
+    rivals.push_back({.crease = std::move(crease),
                       .first_col = static_cast<int>((stretch.first + 1) % cols),
                       .cols = static_cast<int>(stretch.steps - 1),
                       .above = above,
@@ -106,7 +89,7 @@ template <class Rise>
 Layers layers_of(const CurveOnSide& found, std::span<const CurveStation* const> stations,
                  const SideField& field, std::span<const int> path, Rise&& rise_mm) {
   Layers layers;
-  layers.line = describe(field, {}, on_crest(field, path), {});
+  layers.line = describe(field, {}, on_crest(field, path, Raster::k_cell_mm), {});
   layers.line.evidence = found.evidence;
   for (const CurveStation* station : stations) {
     layers.hold.push_back(static_cast<float>(station->hold));
@@ -115,7 +98,8 @@ Layers layers_of(const CurveOnSide& found, std::span<const CurveStation* const> 
                                   : static_cast<float>(std::abs(station->alternatives.front().off_mm)));
   }
   layers.sharp = sharp_along(field, layers.line);
-  for (const bool above : {true, false}) add_rivals(stations, field, path, above, rise_mm, layers.rivals);
+  for (const bool above : {true, false})
+    add_rivals(stations, field, path, found.evidence, above, rise_mm, layers.rivals);
   std::ranges::sort(layers.rivals, std::ranges::greater{}, &Rival::cols);
   layers.rivals.resize(std::min<std::size_t>(layers.rivals.size(), LayersConfig{}.most));
   return layers;
@@ -220,25 +204,6 @@ class CurvePlacer {
 
 }  // namespace
 
-std::optional<CurveOnSide> curve_on(const Side& side) {
-  const Raster raster = raster_of(side);
-  CreaseLooks looks{raster};
-  const CurveCosts costs = curve_costs(raster, looks, fitted_weights());
-  const CurveSearch search{costs, {}};
-  std::optional<ClosedCurve> best = search.best();
-  if (!best) return std::nullopt;
-  constexpr RivalConfig k_rivals{};
-  const std::vector<CurveRival> rivals = rivals_of(raster, costs, {}, *best, k_rivals);
-  std::vector<CurveStation> stations = curve_posterior(raster, *best, rivals, k_rivals.same_mm, {});
-  double evidence = 0;
-  for (const CurveState& at : best->states) {
-    const std::size_t cell = costs.at(at.row, raster.round_col(at.col));
-    evidence += std::exp(-static_cast<double>(costs.of(cell, at.direction)));
-  }
-  evidence /= static_cast<double>(best->states.size());
-  return CurveOnSide{.curve = std::move(*best), .evidence = evidence, .stations = std::move(stations)};
-}
-
 Extraction find_by_curve(const ScanPoints& scan, const Config& config, std::optional<Workings>* workings) {
   report::StageClock clock;
   OrRefusal<Shoe> shoe = clock.run("shoe", [&] { return find_shoe(scan.means); });
@@ -248,7 +213,7 @@ Extraction find_by_curve(const ScanPoints& scan, const Config& config, std::opti
   Side side{std::move(*shoe), std::move(outline), std::move(field)};
   const std::optional<SeamStep> seam =
       clock.run("seam", [&] { return seam_step(scan, side.shoe, side.outline); });
-  const std::optional<CurveOnSide> found = clock.run("curve", [&] { return curve_on(side); });
+  const std::optional<CurveOnSide> found = clock.run("curve", [&] { return curve_on(side, scan.looks); });
   if (!found) return refused({Refused::NoCreaseAllRound, "no curve leads round the side"}, clock.take());
   PlacedCurve placed = clock.run("place", [&] {
     return CurvePlacer{scan, side, *found, seam, config}.run();

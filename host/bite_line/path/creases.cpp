@@ -146,6 +146,20 @@ std::vector<double> smooth_rows(const SideGrid& grid, std::span<const int> path)
   return geometry::smooth_closed(rows, k_smooth_mm / grid.col_mm);
 }
 
+std::vector<int> on_crest(const SideField& field, std::span<const int> path, double reach_mm) {
+  const SideGrid& grid = field.grid;
+  const int reach = static_cast<int>(std::lround(reach_mm / grid.row_mm));
+  std::vector<int> crest;
+  for (int col = 0; col < grid.cols; ++col) {
+    const int middle = path[static_cast<std::size_t>(col)];
+    int best = middle;
+    for (int row = std::max(0, middle - reach); row <= std::min(grid.rows - 1, middle + reach); ++row)
+      if (field.turn_rad[grid.at(row, col)] > field.turn_rad[grid.at(best, col)]) best = row;
+    crest.push_back(best);
+  }
+  return crest;
+}
+
 Crease describe(const SideField& field, std::span<const float> likeness, std::span<const int> path,
                 const CreaseConfig& config) {
   const SideGrid& grid = field.grid;

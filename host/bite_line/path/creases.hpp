@@ -45,6 +45,9 @@ struct CreaseConfig {
 /// A path without its steps.
 [[nodiscard]] std::vector<double> smooth_rows(const SideGrid& grid, std::span<const int> path);
 
+/// The rows near a path, within `reach_mm`, where the field turns most.
+[[nodiscard]] std::vector<int> on_crest(const SideField& field, std::span<const int> path, double reach_mm);
+
 /// What the surface does along a closed path, one row per column.  Without `likeness` evidence is left at 0.
 [[nodiscard]] Crease describe(const SideField& field, std::span<const float> likeness,
                               std::span<const int> path, const CreaseConfig& config);

@@ -203,6 +203,13 @@ bool all_pass(std::span<const Gate> gates) {
 
 }  // namespace
 
+double sure_alone(const Crease& line) {
+  double product = 1;
+  for (const Gate& gate : own_gates(line, {}))
+    if (gate.code != Refused::NotAShoe) product *= gate.sure();
+  return product;
+}
+
 Decision decide(const Layers& layers, const PlanShape& plan, const std::optional<SeamStep>& seam,
                 double min_confidence) {
   const Crease& line = layers.line;

@@ -33,6 +33,9 @@ struct Decision {
   std::vector<JudgedPath> paths;  ///< the best, then what else the line could be, the nearest first
 };
 
+/// What the gates say of a crease that look at it alone, whatever the outline: their product, 0 to 1.
+[[nodiscard]] double sure_alone(const Crease& line);
+
 /// What a bite line is, on what has a shoe's outline: a crease all the way round; an upper goes on above it;
 /// below it the sole stands out, or at least the two are not one surface; and it keeps to one layer.
 ///

@@ -193,6 +193,9 @@ int run(int argc, char** argv) {
   command.add_option("--ordinary", cases.ordinary, "made shoes")->capture_default_str();
   command.add_option("--guards", cases.guards, "with a toe guard")->capture_default_str();
   command.add_option("--heels", cases.heels, "with a high heel")->capture_default_str();
+  command.add_option("--flush", cases.flush, "whose sole stands out by a tenth to three tenths")
+      ->capture_default_str();
+  command.add_option("--sewn", cases.sewn, "whose upper has a seam all the way round")->capture_default_str();
   command.add_option("--heel", cases.heel_ratio, "its height over the length")->capture_default_str();
   command.add_flag("--made", no_shapes, "made shoes alone");
   command.add_flag("--alone", alone, "the curve, and not the default finder");

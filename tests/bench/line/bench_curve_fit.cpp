@@ -201,6 +201,7 @@ double energy_along_truth(const Held& held, bite_line::CurveCosts costs,
 /// A rival, and how much of both ways is on the known line, where that is known.
 struct JudgedRival {
   double more_per_mm, length_mm, right_share, rival_right_share;
+  double above_mm;  ///< mean, of the rival over the curve
   bool all_round;
 };
 
@@ -232,6 +233,7 @@ std::vector<JudgedRival> judged_rivals(const Held& held, const bite_line::CurveC
                       .length_mm = rival.length_mm,
                       .right_share = right_share(stretch),
                       .rival_right_share = right_share(rival.places),
+                      .above_mm = rival.above_mm,
                       .all_round = bite_line::leads_all_round(rival, curve)});
   }
   return judged;
@@ -410,12 +412,12 @@ class CurveFit {
 
   /// Where PosteriorConfig comes from: a row for each rival.
   void tell_rivals(const std::vector<SearchVerdict>& verdicts) const {
-    std::printf("rival,kind,name,leads,length_mm,more_per_mm,right_share,rival_right_share\n");
+    std::printf("rival,kind,name,leads,length_mm,more_per_mm,right_share,rival_right_share,above_mm\n");
     for (std::size_t i = 0; i < held_.size(); ++i)
       for (const JudgedRival& rival : verdicts[i].rivals)
-        std::printf("rival,%s,%s,%s,%.1f,%.3f,%.2f,%.2f\n", held_[i].kind.c_str(), held_[i].name.c_str(),
+        std::printf("rival,%s,%s,%s,%.1f,%.3f,%.2f,%.2f,%.1f\n", held_[i].kind.c_str(), held_[i].name.c_str(),
                     rival.all_round ? "round" : "part", rival.length_mm, rival.more_per_mm, rival.right_share,
-                    rival.rival_right_share);
+                    rival.rival_right_share, rival.above_mm);
   }
 
   bite_line::CurveConfig config_;
@@ -438,6 +440,9 @@ int run(int argc, char** argv) {
   command.add_option("--ordinary", cases.ordinary, "made shoes")->capture_default_str();
   command.add_option("--guards", cases.guards, "with a toe guard")->capture_default_str();
   command.add_option("--heels", cases.heels, "with a high heel")->capture_default_str();
+  command.add_option("--flush", cases.flush, "whose sole stands out by a tenth to three tenths")
+      ->capture_default_str();
+  command.add_option("--sewn", cases.sewn, "whose upper has a seam all the way round")->capture_default_str();
   command.add_option("--bend", config.bend_mm, "of the curve")->capture_default_str();
   command.add_option("--odds", odds, "added to the product's log odds of the line before anything was seen")
       ->capture_default_str();

@@ -43,8 +43,10 @@ struct MadeKind {
   const char* name;
   int count;
   std::uint64_t seed;
-  bool guard;
-  std::optional<double> heel_ratio;
+  bool guard{false};
+  std::optional<double> heel_ratio{};
+  bool flush{false};  ///< a tenth to three tenths of the step drawn
+  bool sewn{false};   ///< a seam goes all the way round the upper, 7 to 17 mm above the line
 };
 
 void made_cases(const MadeKind& kind, const std::function<void(CurveCase&&)>& use) {
@@ -53,8 +55,13 @@ void made_cases(const MadeKind& kind, const std::function<void(CurveCase&&)>& us
     test::SweepCell cell = test::sweep_cell(kind.seed, index);
     cell.shoe.toe_guard = kind.guard;
     cell.shoe.heel_ratio = kind.heel_ratio;
+    if (kind.sewn && index % 2 == 0) cell.shoe.shoe_class = sim::ShoeClass::Shallow;
+    if (kind.sewn)
+      cell.seam = {.u_mm = 7.0 + static_cast<double>(made % 11),
+                   .depth_mm = 0.3 + 0.05 * static_cast<double>(made % 5)};
     const bool designed = sim::is_designed(cell.shoe.shoe_class);
-    if (!cell.is_shoe() || ((kind.guard || kind.heel_ratio) && !designed)) continue;
+    if (!cell.is_shoe() || ((kind.guard || kind.heel_ratio || kind.flush) && !designed)) continue;
+    if (kind.flush) cell.crease_ratio = 0.1 + 0.05 * static_cast<double>(made % 5);
     const std::string group{sim::name_of(cell.shoe.shoe_class)};
     if (kind.heel_ratio && group != "pump") continue;
     ++made;
@@ -109,9 +116,13 @@ void shape_cases(bool unknown, const std::function<void(CurveCase&&)>& use) {
 }  // namespace
 
 void for_cases(const CaseOptions& options, const std::function<void(CurveCase&&)>& use) {
-  made_cases({"ordinary", options.ordinary, options.seed, false, {}}, use);
-  made_cases({"guard", options.guards, options.seed + 1, true, {}}, use);
-  made_cases({"heel", options.heels, options.seed + 2, false, options.heel_ratio}, use);
+  made_cases({.name = "ordinary", .count = options.ordinary, .seed = options.seed}, use);
+  made_cases({.name = "guard", .count = options.guards, .seed = options.seed + 1, .guard = true}, use);
+  made_cases(
+      {.name = "heel", .count = options.heels, .seed = options.seed + 2, .heel_ratio = options.heel_ratio},
+      use);
+  made_cases({.name = "flush", .count = options.flush, .seed = options.seed + 3, .flush = true}, use);
+  made_cases({.name = "sewn", .count = options.sewn, .seed = options.seed + 4, .sewn = true}, use);
   if (options.shapes) shape_cases(options.unknown_shapes, use);
 }
 

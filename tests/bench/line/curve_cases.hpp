@@ -17,7 +17,7 @@
 namespace biteline::bench {
 
 struct CurveCase {
-  std::string kind;   ///< ordinary, guard, heel, shape, unlabelled, or thing
+  std::string kind;   ///< ordinary, guard, heel, flush, sewn, shape, unlabelled, or thing
   std::string group;  ///< left out together: the class of made shoes, one shape alone
   std::string name;
   test::SweepScan scan;  ///< its truth is empty where the line is not known
@@ -26,7 +26,7 @@ struct CurveCase {
 
 struct CaseOptions {
   std::uint64_t seed{8101};
-  int ordinary{40}, guards{20}, heels{10};
+  int ordinary{40}, guards{20}, heels{10}, flush{15}, sewn{15};
   double heel_ratio{0.35};
   bool shapes{true};
   bool unknown_shapes{false};  ///< also those without a known line, and things

@@ -230,7 +230,7 @@ TEST(CurvePosterior, WaysThatLieTogetherCountOnce) {
   std::vector<CurveRival> rivals = rivals_of(raster, costs, {}, *best, {});
   LONGS_EQUAL(1, rivals.size());
   rivals.push_back(rivals.front());
-  const PosteriorConfig config{.even_all_round = 0};
+  const PosteriorConfig config{.even_round = 0};
   DOUBLES_EQUAL(0.5, curve_posterior(raster, *best, rivals, 2.25, config)[10].hold, 0.01);
 }
 
