@@ -4,6 +4,7 @@
 
 #include <future>
 
+#include "tests/support/full_disk.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/unit/host/apps/opened_cockpit.hpp"
 
@@ -67,6 +68,24 @@ TEST(CockpitWords, AWordInTheFirstMomentOfAHoldFindsRowAndHold) {
   STRCMP_EQUAL("accepted", row().decision.c_str());
   const std::optional<Wish> wish = sut->next_wish();
   CHECK(wish && wish->kind == Wish::Kind::Send);
+}
+
+TEST(CockpitWords, AWordThatAFullDiskCannotKeepDoesNothingAndIsHeardOnceThereIsRoom) {
+  for (const api::Decision::Kind kind : {api::Decision::Kind::Accept, api::Decision::Kind::Reject}) {
+    put("held");
+    sut->hold("scan-0001");
+    {
+      const test::FullDisk full;
+      const Result<void> said = say(kind).get();
+      CHECK(!said && said.error().code == Errc::DiskFull);
+      CHECK_FALSE(sut->next_wish());
+      STRCMP_EQUAL("held", row().decision.c_str());
+    }
+    SUCCEEDS(say(kind).get());
+    const std::optional<Wish> wish = sut->next_wish();
+    CHECK(wish &&
+          wish->kind == (kind == api::Decision::Kind::Accept ? Wish::Kind::Send : Wish::Kind::Reject));
+  }
 }
 
 TEST(CockpitWords, AModelNamedInTheFirstMomentOfAHoldIsTaken) {
