@@ -186,7 +186,8 @@ float CreaseLooks::share_seen(int row, int col, const std::vector<Beside>& place
 }
 
 CreaseSigns CreaseLooks::alone(int row, int col, std::size_t direction) const {
-  constexpr float k_most_rad = 0.6F, k_most_step_mm = 1.5F, k_rim_rad = 0.3F;
+  constexpr float k_rad_per_mm = 0.35F, k_between_rad = 0.035F;  // 20 degrees, and 2
+  constexpr float k_most_step_mm = 1.5F, k_rim_rad = 0.3F;
   constexpr float k_near_mm = 2.0F, k_overhang_mm = 0.5F, k_soft_mm = 0.1F;
   const std::size_t here = raster_.at(row, col);
   const std::size_t axis = direction % k_axes;
@@ -215,7 +216,9 @@ CreaseSigns CreaseLooks::alone(int row, int col, std::size_t direction) const {
     const float turn_rad = quick_atan(upper.slope) + quick_atan(sole.slope);
     const float out_mm = upper.at_mm + k_near_mm * upper.slope - sole.at_mm - k_near_mm * sole.slope;
     of(signs, CreaseSign::FlanksSeen) = 1;
-    of(signs, CreaseSign::FlankTurn) = std::clamp(turn_rad / k_most_rad, -1.0F, 1.0F);
+    const float between_rad = turn_rad + k_rad_per_mm * std::max(sole.at_mm - upper.at_mm, 0.0F);
+    of(signs, CreaseSign::TwoSurfaces) =
+        static_cast<float>(geometry::logistic(static_cast<double>(between_rad / k_between_rad)));
     of(signs, CreaseSign::FlankStep) = std::clamp((sole.at_mm - upper.at_mm) / k_most_step_mm, -1.0F, 1.0F);
     of(signs, CreaseSign::Overhang) =
         static_cast<float>(geometry::logistic(static_cast<double>((out_mm - k_overhang_mm) / k_soft_mm)));
@@ -228,6 +231,7 @@ CreaseSigns CreaseLooks::alone(int row, int col, std::size_t direction) const {
 }
 
 Large<float> CreaseLooks::look_beside(const CurveWeights& weights) {
+  constexpr float k_nothing = -4, k_sure = 2;  // log odds: a faint crease counts, too
   Large<float> own(raster_.size() * k_directions);
   std::array<Large<float>, k_directions> like;
   tbb::parallel_for(std::size_t{0}, k_directions, [&](std::size_t k) {
@@ -239,7 +243,7 @@ Large<float> CreaseLooks::look_beside(const CurveWeights& weights) {
         if (raster_.seen[cell] == 0 || !turns(cell, k)) continue;
         const CreaseSigns signs = alone(row, col, k);
         like[k][cell] =
-            static_cast<float>(geometry::logistic(static_cast<double>(log_odds(weights.alone, signs))));
+            std::clamp((log_odds(weights.alone, signs) - k_nothing) / (k_sure - k_nothing), 0.0F, 1.0F);
         own[cell * k_directions + k] = log_odds(weights.all, signs);
       }
     }

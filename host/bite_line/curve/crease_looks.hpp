@@ -15,22 +15,23 @@ namespace biteline::bite_line {
 
 /// Each between -1 and 1.  The upper is to the left of the direction, the sole to its right.
 enum class CreaseSign : std::uint8_t {
-  Always,      ///< 1
-  Turns,       ///< 1 where the surface turns inwards across the direction by more than its noise; else all
-               ///< that follows is 0
-  FineTurn,    ///< how much, over 1 mm to both sides
-  WideTurn,    ///< over 2.25 mm
-  Crest,       ///< against the most within 1.5 mm across
-  FlankTurn,   ///< between the surfaces 1.5 to 4 mm to both sides as planes, concave > 0 ...
-  FlankStep,   ///< ... and how far the right one stands out where they meet
-  FlanksSeen,  ///< 1 where both were
-  Overhang,    ///< what is left stands out beyond what is right
-  RimRight,    ///< the surface turns outwards close to the right
-  WallLeft,    ///< share seen 2 to 8 mm to the left
-  SoleRight,   ///< share seen 1.5 to 4.5 mm to the right
-  EdgeAhead,   ///< the surface turns outwards along the direction
-  LeftCrease,  ///< the most line-like place 2.5 to 25 mm to the left
-  RightCrease  ///< the same to the right
+  Always,       ///< 1
+  Turns,        ///< 1 where the surface turns inwards across the direction by more than its noise; else all
+                ///< that follows is 0
+  FineTurn,     ///< how much, over 1 mm to both sides
+  WideTurn,     ///< over 2.25 mm
+  Crest,        ///< against the most within 1.5 mm across
+  TwoSurfaces,  ///< the surfaces 1.5 to 4 mm to both sides, as planes, turn against each other, concave, or
+                ///< the right one stands out: what is sewn or cut into one surface leaves them as one
+  FlankStep,    ///< how far the right one stands out where they meet
+  FlanksSeen,   ///< 1 where both were
+  Overhang,     ///< what is left stands out beyond what is right
+  RimRight,     ///< the surface turns outwards close to the right
+  WallLeft,     ///< share seen 2 to 8 mm to the left
+  SoleRight,    ///< share seen 1.5 to 4.5 mm to the right
+  EdgeAhead,    ///< the surface turns outwards along the direction
+  LeftCrease,   ///< the most line-like place 2.5 to 25 mm to the left, 0 to 1 from odds of e^-4 to e^2
+  RightCrease   ///< the same to the right
 };
 inline constexpr std::size_t k_crease_signs = 15;
 using CreaseSigns = std::array<float, k_crease_signs>;

@@ -25,7 +25,7 @@ struct PosteriorConfig {
   double even{0.05};
   double even_below{0.35};  ///< ... one that lies `below_mm` lower
   double below_mm{6.0};
-  double even_round{0.3};   ///< ... and one that goes all the way round above it; so much less, below it
+  double even_round{0.45};  ///< ... and one that goes all the way round above it; so much less, below it
   double steepness{20.0};   ///< of the log odds
   double least_mass{0.02};  ///< a less likely place is no alternative
 };

@@ -285,8 +285,8 @@ TEST_GROUP(FindByCurve){void teardown() override{forgive_underflow();
 ;
 
 TEST(FindByCurve, AnotherWayOfAStretchIsACandidate) {
-  // Over 60 mm the step is two, 2 mm above and below, of which the lower one takes seven tenths.
-  constexpr double k_from_mm = 290, k_to_mm = 350, k_half_mm = 2, k_lower_share = 0.7;
+  // Over 60 mm the step is two, 4 mm above and below, of which the lower one takes six tenths.
+  constexpr double k_from_mm = 290, k_to_mm = 350, k_half_mm = 4, k_lower_share = 0.6;
   cloud::PointCloud cloud;
   cloud.points = drum_points(egg_outline(), [](double s, double z) {
     const double beyond_mm = std::max({0.0, k_from_mm - s, s - k_to_mm});
