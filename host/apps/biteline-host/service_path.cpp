@@ -48,7 +48,8 @@ Result<ExitStatus> Service::work_out_path(Scan& scan, const intake::ScanOutcome&
   scan.chosen.written.report.clear();  // it is not the last one yet
   BITELINE_ASSIGN(PlanStep plan, plan_path(scan.folder / "path", request, outcome, *line.line));
   const bool wanted = plan.outcome.path && robot_->options.send;
-  const robot::ScanFacts facts = facts_of(scan, outcome);
+  robot::ScanFacts facts = facts_of(scan, outcome);
+  facts.pictures_vouched = line.pictures_vouched;
   SendRequest send{.controller = controller_of(robot_->options),
                    .serial = robot_->options.serial,
                    .holds_arm = holds_arm(),

@@ -60,9 +60,14 @@ Result<LineStep> keep_unfinished(const fs::path& folder, const intake::ScanOutco
   return LineStep{.status = ExitStatus::Refused, .confidence = 0, .line = {}};
 }
 
-/// A scan whose pictures did not come as the head was calibrated has no line; its cloud is kept.
-Result<std::optional<LineStep>> heed_pictures(const fs::path& folder, const intake::ScanOutcome& scan,
-                                              const KnownBefore& known, report::Report& report) {
+/// What became of a scan by its pictures.
+struct HeededPictures {
+  std::optional<LineStep> refused;  ///< they did not come as the head was calibrated; the cloud is kept
+  bool vouched{false};
+};
+
+Result<HeededPictures> heed_pictures(const fs::path& folder, const intake::ScanOutcome& scan,
+                                     const KnownBefore& known, report::Report& report) {
   std::vector<drift::PosedProfile> poses;
   for (const intake::TakenFrom& taken : scan.poses)
     poses.push_back({.profile = taken.profile, .pose = taken.pose});
@@ -70,12 +75,16 @@ Result<std::optional<LineStep>> heed_pictures(const fs::path& folder, const inta
     return consistency::check_pictures({scan.cloud.points, scan.cloud.profile, poses}, scan.sensor.model,
                                        {.head = known.head, .arm = known.arm});
   });
-  report.fields["picture_check"] = consistency::as_json(pictures, scan.sensor.camera_state.told());
+  const bool state_told = scan.sensor.camera_state.told();
+  report.fields["picture_check"] = consistency::as_json(pictures, state_told);
   const auto refusal = consistency::refusal_of(pictures);
-  if (!refusal) return std::optional<LineStep>{};
+  if (!refusal)
+    return HeededPictures{
+        .refused = {},
+        .vouched = consistency::vouched_by(pictures, state_told) != consistency::VouchedBy::Nobody};
   BITELINE_TRY(results::write_refused_result(folder, scan.cloud, report::told(*refusal), report));
   say_step("refused: %s", refusal->reason.c_str());
-  return std::optional{LineStep{.status = ExitStatus::Refused, .confidence = 0, .line = {}}};
+  return HeededPictures{.refused = LineStep{.status = ExitStatus::Refused, .confidence = 0, .line = {}}};
 }
 
 void fill_scan(const intake::ScanOutcome& scan, const std::string& release, report::Report& report) {
@@ -254,9 +263,9 @@ Result<LineStep> find_line(const fs::path& folder, const intake::ScanOutcome& sc
   if (known.head) head = std::make_shared<const uncertainty::KnownHead>(scan.sensor.model, *known.head);
   line.close(std::move(head), known.arm);
   // Beside the line's own thread.
-  BITELINE_ASSIGN(std::optional<LineStep> refused, heed_pictures(folder, scan, known, report));
+  BITELINE_ASSIGN(HeededPictures pictures, heed_pictures(folder, scan, known, report));
   intake::LiveLine::Outcome outcome = line.wait();
-  if (refused) return std::move(*refused);
+  if (pictures.refused) return std::move(*pictures.refused);
   report.add_stage("last profile to line", outcome.last_profile_to_line_s);
   bite_line::Extraction& extraction = outcome.extraction;
   intake::name_scan_cause(extraction, scan.counts, scan.sensor_counters, &scan.sensor_devices);
@@ -264,6 +273,7 @@ Result<LineStep> find_line(const fs::path& folder, const intake::ScanOutcome& sc
   say_step("%s", results::summary(extraction).c_str());
   LineStep step{.status = status, .confidence = extraction.confidence, .line = {}, .arm = extraction.arm};
   if (status != ExitStatus::Refused) step.line = extraction.line;
+  step.pictures_vouched = pictures.vouched;
   step.too_little_seen = extraction.scan_cause.has_value();
   step.pages = LatePages{[folder, extraction = std::move(extraction),
                           stages = results::stages_of(std::move(outcome.workings)),
@@ -290,8 +300,8 @@ Result<LineStep> carry_line(const fs::path& folder, const Carrier& carrier, cons
   fill_scan(scan, release, report);
   report.fields["sample"] = carrier.name;
   if (scan.failure) return keep_unfinished(folder, scan, report);
-  BITELINE_ASSIGN(std::optional<LineStep> refused, heed_pictures(folder, scan, known, report));
-  if (refused) return std::move(*refused);
+  BITELINE_ASSIGN(HeededPictures pictures, heed_pictures(folder, scan, known, report));
+  if (pictures.refused) return std::move(*pictures.refused);
   transfer::TransferOptions options = carrier.options;
   transfer::Transfer transfer = report.timed("transfer", [&] {
     options.upper_scan = intake::whole_scan_of(scan, known.head, known.arm);
@@ -308,6 +318,7 @@ Result<LineStep> carry_line(const fs::path& folder, const Carrier& carrier, cons
   say_step("%s", results::summary(transfer).c_str());
   LineStep step{
       .status = status, .confidence = transfer.confidence, .line = {}, .arm = options.upper_scan.arm};
+  step.pictures_vouched = pictures.vouched;
   if (status == ExitStatus::Done) step.line = transfer.carried.line;
   step.pages =
       LatePages{[folder, transfer = std::move(transfer), report](const cloud::PointCloud& cloud) mutable {

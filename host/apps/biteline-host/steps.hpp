@@ -32,8 +32,9 @@ struct LineStep {
   double confidence{0};
   std::optional<cloud::ClosedLine> line;  ///< when one was found, or is for review (`status`)
   std::optional<uncertainty::ArmMotion> arm{};
-  LatePages pages{};            ///< before anybody else changes report.json
-  bool too_little_seen{false};  ///< the scan itself is why: no model could be told in it either
+  LatePages pages{};             ///< before anybody else changes report.json
+  bool pictures_vouched{false};  ///< as the head was calibrated: see consistency::vouched_by()
+  bool too_little_seen{false};   ///< the scan itself is why: no model could be told in it either
 };
 
 /// What a scan's U95 takes from elsewhere, where it is told.

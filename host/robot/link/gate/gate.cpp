@@ -49,6 +49,12 @@ void add_scan_rows(const GateInputs& inputs, std::vector<GateRow>& rows) {
   rows.push_back({Refused::OtherConnection, "connection to the sensor",
                   scan.one_connection ? "one" : "broken or renewed", "one, or confirmed by a person",
                   when((scan.one_connection && scan.scan_id != 0) || vouched)});
+  // A turned or moved picture gives a sure line beside the shoe, and nobody sees that it lies there.
+  if (scan.pictures_vouched)
+    rows.push_back({Refused::PicturesNotVouched, "pictures as calibrated",
+                    *scan.pictures_vouched ? "vouched for" : "nobody vouches" + words,
+                    "by the camera's state or a check lap, or confirmed by a person",
+                    when(*scan.pictures_vouched || vouched)});
   rows.push_back(
       {Refused::SentBefore, "sent before", scan.sent_before ? "yes" : "no", "no", when(!scan.sent_before)});
   if (scan.stopped)

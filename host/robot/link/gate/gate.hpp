@@ -36,6 +36,8 @@ struct ScanFacts {
   std::uint64_t messages_lost{0};
   LostInARow lost;
   bool sent_before{false};
+  /// By the camera's state, or by places that were seen twice; nothing: of a file that does not say.
+  std::optional<bool> pictures_vouched{};
   std::optional<bool> stopped{};  ///< since the scan was ordered; nothing: of a gate that did not look
   std::optional<Word> confirmed{};
 };

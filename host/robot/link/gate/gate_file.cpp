@@ -28,6 +28,7 @@ void visit(const Visit& v, ScanFacts& scan) {
   v("profiles_lost_in_a_row", scan.lost.profiles);
   v("edges_lost_in_a_row", scan.lost.edges);
   v("sent_before", scan.sent_before);
+  v.since("pictures_vouched", scan.pictures_vouched);
   v.since("stopped", scan.stopped);
 }
 

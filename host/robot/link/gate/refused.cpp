@@ -13,6 +13,8 @@ std::span<const report::RefusalRow<Refused>> refusal_table(Refused) {
           "look whether the shoe still stands so, then --confirm the scan"},
       Row{Refused::ScanTooOld, "scan_too_old", k_again},
       Row{Refused::OtherConnection, "other_connection", k_again},
+      Row{Refused::PicturesNotVouched, "pictures_not_vouched",
+          "calibrate the head anew, which stores its camera's state, or scan with a check lap"},
       Row{Refused::SentBefore, "sent_before", k_again},
       Row{Refused::Stopped, "stopped_by_a_person", "start, then scan the shoe again"},
       Row{Refused::MessagesLost, "messages_lost", k_again},

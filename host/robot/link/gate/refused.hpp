@@ -7,26 +7,27 @@
 namespace biteline::robot {
 
 enum class Refused {
-  ScanNotSeen,      ///< recovered or of a recording, and no person vouches for it
-  ScanTooOld,       ///< the shoe may have been moved since
-  OtherConnection,  ///< the sensor was lost in mid-scan
-  SentBefore,       ///< this scan's path was sent already
-  Stopped,          ///< by a person, since the scan was ordered
-  MessagesLost,     ///< profiles never came
-  HolesInScan,      ///< frames, profiles or edges lost in a row
-  LineNotPassed,    ///< no line that passed its checks
-  PathNotPassed,    ///< no path, or no free way to it
-  TooUncertain,     ///< the line's uncertainty is beyond the tolerance
-  NotApproved,      ///< a person has said no, or has not said yes where the process asks
-  NotAsTaught,      ///< tip, payload or table are not what was taught at the cell
-  FilesChanged,     ///< line, cloud, report or process is not what the service wrote and planned with
-  ArmMoved,         ///< since its way was checked
-  NotRemote,        ///< the controller is in local control
-  OtherArm,         ///< not the configured model
-  OtherSerial,      ///< not the configured arm
-  OtherTool,        ///< the path is planned for another tool than the process's
-  OtherPayload,     ///< the path carries another payload than the process's
-  ArmNotHeld,       ///< another service may send, too
+  ScanNotSeen,         ///< recovered or of a recording, and no person vouches for it
+  ScanTooOld,          ///< the shoe may have been moved since
+  OtherConnection,     ///< the sensor was lost in mid-scan
+  PicturesNotVouched,  ///< nobody vouches that they are as the head was calibrated
+  SentBefore,          ///< this scan's path was sent already
+  Stopped,             ///< by a person, since the scan was ordered
+  MessagesLost,        ///< profiles never came
+  HolesInScan,         ///< frames, profiles or edges lost in a row
+  LineNotPassed,       ///< no line that passed its checks
+  PathNotPassed,       ///< no path, or no free way to it
+  TooUncertain,        ///< the line's uncertainty is beyond the tolerance
+  NotApproved,         ///< a person has said no, or has not said yes where the process asks
+  NotAsTaught,         ///< tip, payload or table are not what was taught at the cell
+  FilesChanged,        ///< line, cloud, report or process is not what the service wrote and planned with
+  ArmMoved,            ///< since its way was checked
+  NotRemote,           ///< the controller is in local control
+  OtherArm,            ///< not the configured model
+  OtherSerial,         ///< not the configured arm
+  OtherTool,           ///< the path is planned for another tool than the process's
+  OtherPayload,        ///< the path carries another payload than the process's
+  ArmNotHeld,          ///< another service may send, too
 };
 
 [[nodiscard]] std::span<const report::RefusalRow<Refused>> refusal_table(Refused);

@@ -49,6 +49,8 @@ const std::vector<Change>& bad_changes() {
       {"limit NaN", [](GateInputs& in) { in.limits.scan_age_s = k_nan; }, Refused::ScanTooOld},
       {"two connections", [](GateInputs& in) { in.scan.one_connection = false; }, Refused::OtherConnection},
       {"no scan", [](GateInputs& in) { in.scan.scan_id = 0; }, Refused::OtherConnection},
+      {"nobody vouches for its pictures", [](GateInputs& in) { in.scan.pictures_vouched = false; },
+       Refused::PicturesNotVouched},
       {"sent before", [](GateInputs& in) { in.scan.sent_before = true; }, Refused::SentBefore},
       {"stopped since", [](GateInputs& in) { in.scan.stopped = true; }, Refused::Stopped},
       {"stopped since, scan confirmed",
@@ -226,9 +228,9 @@ TEST(Gate, PersonVouchesForARecoveredScanAndForNothingElse) {
   inputs.scan.confirmed = Word{.by = "maria", .at = "2026-01-02T03:04:05Z"};
   CHECK(opens(inputs));
   for (const Change& change : bad_changes()) {
-    const bool about_the_scan = change.refused == Refused::ScanNotSeen ||
-                                change.refused == Refused::ScanTooOld ||
-                                change.refused == Refused::OtherConnection;
+    const bool about_the_scan =
+        change.refused == Refused::ScanNotSeen || change.refused == Refused::ScanTooOld ||
+        change.refused == Refused::OtherConnection || change.refused == Refused::PicturesNotVouched;
     const std::string name = change.name;
     const bool vouched = about_the_scan || name.starts_with("approval asked for") || name == "U95 not known";
     GateInputs worse = inputs;
