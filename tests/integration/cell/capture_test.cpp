@@ -8,6 +8,7 @@
 #include <chrono>
 #include <cmath>
 #include <fstream>
+#include <span>
 #include <thread>
 #include <utility>
 
@@ -164,9 +165,12 @@ TEST_GROUP(Capture) {
     return std::sqrt(sum / static_cast<double>(std::max<std::size_t>(count, 1)));
   }
 
-  static double median_amplitude(const profile::Profile& profile) {
+  /// Of all points of these profiles: one profile alone may lie at the end of the shoe, in shadow.
+  static double median_amplitude(std::span<const profile::Profile> profiles) {
     std::vector<float> amplitudes;
-    for (const profile::ProfilePoint& point : profile.points) amplitudes.push_back(point.amplitude);
+    for (const profile::Profile& profile : profiles) {
+      for (const profile::ProfilePoint& point : profile.points) amplitudes.push_back(point.amplitude);
+    }
     if (amplitudes.empty()) return 0;
     std::nth_element(amplitudes.begin(),
                      amplitudes.begin() + static_cast<std::ptrdiff_t>(amplitudes.size() / 2),
@@ -188,8 +192,9 @@ TIMED_TEST(Capture, ExposureThatIsSixTimesTooShortIsCorrectedOnTheWay) {
   const auto lit = std::find_if(outcome.profiles.begin(), outcome.profiles.end(),
                                 [](const auto& p) { return p.points.size() > 300; });
   CHECK(lit != outcome.profiles.end());
-  CHECK(median_amplitude(*lit) < 70);
-  CHECK(median_amplitude(outcome.profiles[outcome.profiles.size() - 5]) > 90);
+  const std::span<const profile::Profile> profiles{outcome.profiles};
+  CHECK_COMPARE(median_amplitude({&*lit, 1}), <, 70);
+  CHECK_COMPARE(median_amplitude(profiles.last(profiles.size() / 4)), >, 90);
   CHECK(outcome.end.devices.capture.has_value());
   CHECK(outcome.end.devices.capture->exposure_changes >= 2);
   CHECK_COMPARE(outcome.end.devices.capture->exposure.count(), >,
