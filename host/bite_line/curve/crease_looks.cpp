@@ -227,6 +227,13 @@ CreaseSigns CreaseLooks::alone(int row, int col, std::size_t direction) const {
   of(signs, CreaseSign::SoleRight) = share_seen(row, col, ways.foot);
   const float ahead = fine_rad_[(axis + k_axes / 2) % k_axes][here];
   of(signs, CreaseSign::EdgeAhead) = plain(-ahead - noise, k_rim_rad);
+  if (!usual_) return signs;
+  const auto unlike = [&](CreaseSign sign) {
+    return std::abs(of(signs, sign) - (*usual_)[static_cast<std::size_t>(sign)]);
+  };
+  of(signs, CreaseSign::UnlikeTurn) = unlike(CreaseSign::FineTurn);
+  if (of(signs, CreaseSign::FlanksSeen) != 0)
+    of(signs, CreaseSign::UnlikeStep) = unlike(CreaseSign::FlankStep);
   return signs;
 }
 
@@ -244,7 +251,7 @@ Large<float> CreaseLooks::look_beside(const CurveWeights& weights) {
         const CreaseSigns signs = alone(row, col, k);
         like[k][cell] =
             std::clamp((log_odds(weights.alone, signs) - k_nothing) / (k_sure - k_nothing), 0.0F, 1.0F);
-        own[cell * k_directions + k] = log_odds(weights.all, signs);
+        own[cell * k_directions + k] = log_odds(in_use(weights), signs);
       }
     }
   });

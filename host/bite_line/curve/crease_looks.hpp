@@ -6,6 +6,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "host/bite_line/curve/raster.hpp"
@@ -31,19 +32,21 @@ enum class CreaseSign : std::uint8_t {
   SoleRight,    ///< share seen 1.5 to 4.5 mm to the right
   EdgeAhead,    ///< the surface turns outwards along the direction
   LeftCrease,   ///< the most line-like place 2.5 to 25 mm to the left, 0 to 1 from odds of e^-4 to e^2
-  RightCrease   ///< the same to the right
+  RightCrease,  ///< the same to the right
+  UnlikeTurn,   ///< how far FineTurn is from the usual one of this shoe's line, where that is known
+  UnlikeStep    ///< the same of FlankStep, where both flanks were seen
 };
-inline constexpr std::size_t k_crease_signs = 15;
+inline constexpr std::size_t k_crease_signs = 17;
 using CreaseSigns = std::array<float, k_crease_signs>;
 
 /// Log odds of "the line passes here in this direction" against "surface", per sign.
 using SignWeights = std::array<float, k_crease_signs>;
 [[nodiscard]] float log_odds(const SignWeights& weights, const CreaseSigns& signs);
 
-/// By the surface itself, and by what is beside it, too.
 struct CurveWeights {
-  SignWeights alone;
-  SignWeights all;
+  SignWeights alone;    ///< by the surface itself
+  SignWeights all;      ///< by what is beside it, too
+  SignWeights usual{};  ///< and by what this shoe's line usually shows
 };
 
 class CreaseLooks {
@@ -60,8 +63,13 @@ class CreaseLooks {
   /// All but the creases beside it.
   [[nodiscard]] CreaseSigns alone(int row, int col, std::size_t direction) const;
   /// Reads what is beside each place: `weights.alone` say how line-like a place is by itself.  Gives, per
-  /// cell and direction, the log odds by `weights.all` without what is beside it.
+  /// cell and direction, the log odds by the weights in use without what is beside it.
   Large<float> look_beside(const CurveWeights& weights);
+  /// What this shoe's line usually shows; from now on places are compared with it.
+  void compare_with(const CreaseSigns& usual) { usual_ = usual; }
+  [[nodiscard]] const SignWeights& in_use(const CurveWeights& weights) const {
+    return usual_ ? weights.usual : weights.all;
+  }
   /// What the creases beside a place add to these.
   [[nodiscard]] float beside(int row, int col, std::size_t direction, const SignWeights& weights) const;
   /// All; those beside it are 0 before look_beside().
@@ -99,7 +107,8 @@ class CreaseLooks {
 
   const Raster& raster_;
   std::array<Large<float>, k_axes> fine_rad_, wide_rad_;  ///< concave > 0, means along the axis
-  std::vector<float> noise_rad_;                          ///< per column
+  std::optional<CreaseSigns> usual_;
+  std::vector<float> noise_rad_;  ///< per column
   std::array<Ways, k_directions> ways_;
   std::array<Large<float>, k_directions> alike_;  ///< how line-like, in this direction or one beside it
 };

@@ -40,7 +40,8 @@ std::vector<std::uint8_t> gaps_of(const Raster& raster) {
 CurveCosts curve_costs(const Raster& raster, CreaseLooks& looks, const CurveWeights& weights) {
   const std::vector<std::uint8_t> gap = gaps_of(raster);
   CurveCosts costs{.rows = raster.rows, .cols = raster.cols, .per_mm = looks.look_beside(weights)};
-  const float plain = cost_of(k_line_log_odds + weights.all[static_cast<std::size_t>(CreaseSign::Always)]);
+  const SignWeights& in_use = looks.in_use(weights);
+  const float plain = cost_of(k_line_log_odds + in_use[static_cast<std::size_t>(CreaseSign::Always)]);
   tbb::parallel_for(tbb::blocked_range<int>{0, raster.cols, 16}, [&](const auto& range) {
     for (int col = range.begin(); col != range.end(); ++col) {
       for (int row = 0; row < raster.rows; ++row) {
@@ -50,9 +51,8 @@ CurveCosts curve_costs(const Raster& raster, CreaseLooks& looks, const CurveWeig
           if (raster.seen[cell] == 0)
             cost = gap[cell] != 0 ? k_unseen_cost_per_mm : plain;
           else
-            cost = looks.turns(cell, k)
-                       ? cost_of(k_line_log_odds + cost + looks.beside(row, col, k, weights.all))
-                       : plain;
+            cost = looks.turns(cell, k) ? cost_of(k_line_log_odds + cost + looks.beside(row, col, k, in_use))
+                                        : plain;
         }
       }
     }

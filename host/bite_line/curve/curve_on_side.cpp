@@ -2,11 +2,11 @@
 #include "host/bite_line/curve/curve_on_side.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
-#include "host/bite_line/curve/crease_looks.hpp"
-#include "host/bite_line/curve/curve_costs.hpp"
+#include "host/bite_line/curve/curve_ground.hpp"
 #include "host/bite_line/curve/curve_rivals.hpp"
 #include "host/bite_line/layers/material.hpp"
 #include "host/bite_line/path/decide.hpp"
@@ -14,6 +14,9 @@
 namespace biteline::bite_line {
 
 namespace {
+
+constexpr RivalConfig k_rivals{};
+constexpr PosteriorConfig k_posterior{};
 
 double evidence_along(const CurveGround& ground, std::span<const CurveState> states) {
   double evidence = 0;
@@ -57,15 +60,42 @@ class Wholes {
   std::optional<Materials> materials_;
 };
 
+/// The medians of a curve's signs, where both flanks were seen.
+CreaseSigns usual_along(const CurveGround& ground, std::span<const CurveState> states) {
+  std::array<std::vector<float>, k_crease_signs> seen;
+  for (const CurveState& at : states) {
+    const CreaseSigns signs = ground.looks.alone(at.row, ground.raster.round_col(at.col), at.direction);
+    if (signs[static_cast<std::size_t>(CreaseSign::FlanksSeen)] == 0) continue;
+    for (std::size_t i = 0; i < k_crease_signs; ++i) seen[i].push_back(signs[i]);
+  }
+  CreaseSigns usual{};
+  for (std::size_t i = 0; i < k_crease_signs; ++i) {
+    if (seen[i].empty()) continue;
+    const auto middle = seen[i].begin() + static_cast<std::ptrdiff_t>(seen[i].size() / 2);
+    std::nth_element(seen[i].begin(), middle, seen[i].end());
+    usual[i] = *middle;
+  }
+  return usual;
+}
+
+/// The curve, or one all round above it that is the likelier line, and so on.
+ClosedCurve highest_from(const CurveGround& ground, const CurveConfig& search, ClosedCurve curve,
+                         const AsWhole& as_whole) {
+  while (std::optional<CurveRival> above = way_above(ground, search, curve, k_rivals)) {
+    above->as_whole = as_whole(above->states, curve.states);
+    if (log_odds_of(*above, curve, k_posterior) <= 0) break;
+    curve = {.states = std::move(above->states), .energy = curve.energy + above->excess};
+  }
+  return curve;
+}
+
 }  // namespace
 
 CurveGround curve_ground(const Side& side) {
   const SideGrid& grid = side.field.grid;
-  Raster raster = Raster::of({side.field.places.data(), side.field.places.size()}, side.outline.length_mm(),
-                             grid.z_low_mm, grid.rows * grid.row_mm, side.field.points_per_mm2);
-  CreaseLooks creases{raster};
-  CurveCosts costs = curve_costs(raster, creases, fitted_weights());
-  return {.raster = std::move(raster), .costs = std::move(costs)};
+  return {Raster::of({side.field.places.data(), side.field.places.size()}, side.outline.length_mm(),
+                     grid.z_low_mm, grid.rows * grid.row_mm, side.field.points_per_mm2),
+          fitted_weights()};
 }
 
 std::vector<int> rows_along(std::span<const Vec2> places, const SideGrid& grid, double turn_mm) {
@@ -88,35 +118,32 @@ std::vector<int> rows_along(std::span<const Vec2> places, const SideGrid& grid, 
   return rows;
 }
 
-std::optional<CurveOnSide> curve_on(const Side& side, std::span<const RunLook> looks) {
-  constexpr RivalConfig k_rivals{};
-  constexpr PosteriorConfig k_posterior{};
-  const CurveGround ground = curve_ground(side);
-  std::optional<ClosedCurve> best = CurveSearch{ground.costs, {}}.best();
+std::optional<CurveAndRivals> best_curve(CurveGround& ground, const CurveConfig& search,
+                                         const AsWhole& as_whole) {
+  std::optional<ClosedCurve> best = CurveSearch{ground.costs, search}.best();
   if (!best) return std::nullopt;
-  const auto rivals_of_best = [&] {
-    std::vector<CurveRival> rivals = rivals_of(ground.raster, ground.costs, {}, *best, k_rivals);
-    const auto goes_round = [&](const CurveRival& rival) { return rival.count == best->states.size(); };
-    if (std::ranges::none_of(rivals, goes_round)) return rivals;
-    const Wholes wholes{side, looks, ground};
-    for (CurveRival& rival : rivals)
-      if (goes_round(rival)) rival.as_whole = wholes.log_odds(rival.states, best->states);
-    return rivals;
-  };
-  std::vector<CurveRival> rivals = rivals_of_best();
-  // A way all round that costs more, and is the likelier line as a whole.
-  const auto log_odds = [&](const CurveRival& rival) { return log_odds_of(rival, *best, k_posterior); };
-  const auto likeliest = std::ranges::max_element(rivals, {}, [&](const CurveRival& rival) {
-    return rival.count == best->states.size() ? log_odds(rival) : -1e9;
+  ground.compare_with(usual_along(ground, highest_from(ground, search, *std::move(best), as_whole).states));
+  best = CurveSearch{ground.costs, search}.best();
+  if (!best) return std::nullopt;
+  ClosedCurve curve = highest_from(ground, search, *std::move(best), as_whole);
+  std::vector<CurveRival> rivals = rivals_of(ground, search, curve, k_rivals);
+  for (CurveRival& rival : rivals)
+    if (rival.count == curve.states.size()) rival.as_whole = as_whole(rival.states, curve.states);
+  return CurveAndRivals{.curve = std::move(curve), .rivals = std::move(rivals)};
+}
+
+std::optional<CurveOnSide> curve_on(const Side& side, std::span<const RunLook> looks) {
+  CurveGround ground = curve_ground(side);
+  std::optional<Wholes> wholes;
+  std::optional<CurveAndRivals> best = best_curve(ground, {}, [&](auto rival, auto curve) {
+    if (!wholes) wholes.emplace(side, looks, ground);
+    return wholes->log_odds(rival, curve);
   });
-  if (likeliest != rivals.end() && likeliest->count == best->states.size() && log_odds(*likeliest) > 0) {
-    best = ClosedCurve{.states = std::move(likeliest->states), .energy = best->energy + likeliest->excess};
-    rivals = rivals_of_best();
-  }
+  if (!best) return std::nullopt;
   std::vector<CurveStation> stations =
-      curve_posterior(ground.raster, *best, rivals, k_rivals.same_mm, k_posterior);
-  const double evidence = evidence_along(ground, best->states);
-  return CurveOnSide{.curve = std::move(*best), .evidence = evidence, .stations = std::move(stations)};
+      curve_posterior(ground.raster, best->curve, best->rivals, k_rivals.same_mm, k_posterior);
+  const double evidence = evidence_along(ground, best->curve.states);
+  return CurveOnSide{.curve = std::move(best->curve), .evidence = evidence, .stations = std::move(stations)};
 }
 
 }  // namespace biteline::bite_line

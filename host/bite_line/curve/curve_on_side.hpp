@@ -2,10 +2,12 @@
 #pragma once
 /// \file The best closed curve of a shoe's side, and how likely the line is on it, place by place.
 
+#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
 
+#include "host/bite_line/curve/curve_ground.hpp"
 #include "host/bite_line/curve/curve_posterior.hpp"
 #include "host/bite_line/curve/curve_search.hpp"
 #include "host/bite_line/scan_points.hpp"
@@ -13,12 +15,19 @@
 
 namespace biteline::bite_line {
 
-/// A side as curves see it.
-struct CurveGround {
-  Raster raster;
-  CurveCosts costs;
+/// Log odds that the line is the first of two curves all the way round and not the second, by what they are
+/// as wholes.
+using AsWhole = std::function<double(std::span<const CurveState>, std::span<const CurveState>)>;
+
+/// A curve, and where else the line may run.
+struct CurveAndRivals {
+  ClosedCurve curve;
+  std::vector<CurveRival> rivals;
 };
-[[nodiscard]] CurveGround curve_ground(const Side& side);
+/// The cheapest closed curve, or one all round above it that is the likelier line.  What it usually shows is
+/// this shoe's line's own look, and the search is done once more by that.
+[[nodiscard]] std::optional<CurveAndRivals> best_curve(CurveGround& ground, const CurveConfig& search,
+                                                       const AsWhole& as_whole);
 
 /// The best curve on a side, and what is known of it.
 struct CurveOnSide {

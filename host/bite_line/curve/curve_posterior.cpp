@@ -104,9 +104,16 @@ bool leads_all_round(const CurveRival& rival, const ClosedCurve& curve) {
 }
 
 double log_odds_of(const CurveRival& rival, const ClosedCurve& curve, const PosteriorConfig& config) {
-  double even = rival.above_mm < -config.below_mm ? config.even_below : config.even;
-  if (leads_all_round(rival, curve)) even = std::copysign(config.even_round, rival.above_mm);
-  return config.steepness * (even - more_per_mm(rival, config.soft_mm)) + rival.as_whole;
+  const double more = more_per_mm(rival, config.soft_mm);
+  if (!rival.seen) return config.unseen + config.unseen_more * more;
+  if (leads_all_round(rival, curve)) {
+    return std::copysign(config.round_above, rival.above_mm) +
+           config.round_two_surfaces * (rival.two_surfaces - 1) + config.round_more * more + rival.as_whole;
+  }
+  return config.part + (rival.above_mm < -config.below_mm ? config.part_below : 0) +
+         config.part_crease_above * rival.crease_above +
+         config.part_faint * std::log(std::max(config.least_per_mm, rival.rest_per_mm)) +
+         config.part_more * more;
 }
 
 std::vector<CurveStation> curve_posterior(const Raster& raster, const ClosedCurve& curve,

@@ -11,22 +11,31 @@
 
 namespace biteline::bite_line {
 
-/// That a way is the line and the curve beside it is not: a logistic function of how much more it costs for
-/// each millimetre, `soft_mm` being added to its length, so that a short way must cost something, too.
-/// Chosen by hand on the rows of bench_curve_fit.
+/// That a way is the line and the curve beside it is not: two logistic fits to the rows of bench_curve_fit,
+/// of ways all round and of ways over a part.
 ///
 /// The bite line is the highest crease between two surfaces.  So of two that go all the way round the upper
-/// one is the line wherever it is one at all: of 31 pairs all.  Over a part of the way it is the other way
-/// round: what was taken wrongly is the upper edge of a cap, a counter or a bumper, and the line runs well
-/// below it.
+/// one is the line, wherever it lies between two surfaces, and however faint it is.
+/// Over a part, what was taken wrongly is the upper edge of a cap, a counter or a bumper.  Then another
+/// crease lies above it, or the line well below it; and on a shoe whose line is plain elsewhere, it is rare.
 struct PosteriorConfig {
-  double soft_mm{25.0};
-  /// A way that costs so much more is as likely as the curve ...
-  double even{0.05};
-  double even_below{0.35};  ///< ... one that lies `below_mm` lower
+  /// Log odds of a way all round above the curve; so much less, below it ...
+  double round_above{3.4};
+  double round_two_surfaces{9.5};  ///< ... by how much of it lies between two surfaces ...
+  double round_more{-0.6};         ///< ... and by what it costs more for each millimetre
+  /// Log odds of a way over a part (0.6 less than the fit gives: fewer are wrong on common shoes than on its
+  /// own) ...
+  double part{-1.7};
+  double part_below{1.1};  ///< ... that lies `below_mm` lower or more ...
   double below_mm{6.0};
-  double even_round{0.45};  ///< ... and one that goes all the way round above it; so much less, below it
-  double steepness{20.0};   ///< of the log odds
+  double part_crease_above{2.1};  ///< ... by the crease above the curve's stretch ...
+  double part_faint{0.85};        ///< ... by the logarithm of what its rest costs for each millimetre ...
+  double least_per_mm{0.02};      ///< ... no rest being plainer than so ...
+  double part_more{-2.0};         ///< ... and by what the way costs more for each millimetre ...
+  double soft_mm{25.0};           ///< ... to which so much is added: a short way must cost something, too
+  /// Where nothing is seen, the way that costs as much is as likely.
+  double unseen{1.0};
+  double unseen_more{-20.0};
   double least_mass{0.02};  ///< a less likely place is no alternative
 };
 

@@ -2,6 +2,7 @@
 #include "host/bite_line/curve/curve_rivals.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -51,15 +52,19 @@ class Band {
 /// The costs when some cells are dearer.
 class DearerCosts {
  public:
-  DearerCosts(const Raster& raster, const CurveCosts& costs, const RivalConfig& config)
-      : raster_{raster}, costs_{costs}, config_{config}, dearer_(raster.size(), 0) {}
+  DearerCosts(const Raster& raster, const CurveCosts& costs, double reach_mm, double per_mm)
+      : raster_{raster},
+        costs_{costs},
+        reach_{static_cast<int>(reach_mm / Raster::k_cell_mm)},
+        per_mm_{static_cast<float>(per_mm)},
+        dearer_(raster.size(), 0) {}
 
   /// What lies beside these states.
   void raise(std::span<const CurveState> states) {
-    const int reach = static_cast<int>(config_.same_mm / Raster::k_cell_mm);
     for (const CurveState& at : states) {
-      for (int col = at.col - reach; col <= at.col + reach; ++col) {
-        for (int row = std::max(0, at.row - reach); row <= std::min(raster_.rows - 1, at.row + reach); ++row)
+      for (int col = at.col - reach_; col <= at.col + reach_; ++col) {
+        for (int row = std::max(0, at.row - reach_); row <= std::min(raster_.rows - 1, at.row + reach_);
+             ++row)
           raise(raster_.at(row, raster_.round_col(col)));
       }
     }
@@ -72,12 +77,13 @@ class DearerCosts {
  private:
   void raise(std::size_t cell) {
     if (std::exchange(dearer_[cell], std::uint8_t{1}) != 0) return;
-    for (std::size_t k = 0; k < k_directions; ++k) costs_.of(cell, k) += static_cast<float>(config_.per_mm);
+    for (std::size_t k = 0; k < k_directions; ++k) costs_.of(cell, k) += per_mm_;
   }
 
   const Raster& raster_;
   CurveCosts costs_;
-  RivalConfig config_;
+  int reach_;
+  float per_mm_;
   std::vector<std::uint8_t> dearer_;
 };
 
@@ -173,13 +179,127 @@ std::vector<CurveRival> ways_of(const ClosedCurve& other, const Band& band, cons
   return ways;
 }
 
+/// Means of signs, where the surface was seen.
+class MeanSigns {
+ public:
+  void add(const std::optional<CreaseSigns>& signs) {
+    ++all_;
+    if (!signs) return;
+    ++seen_;
+    for (std::size_t i = 0; i < signs->size(); ++i) sum_[i] += static_cast<double>((*signs)[i]);
+  }
+  [[nodiscard]] bool mostly_seen() const { return 3 * seen_ > all_; }
+  [[nodiscard]] double of(CreaseSign sign) const {
+    return sum_[static_cast<std::size_t>(sign)] / static_cast<double>(std::max<std::size_t>(seen_, 1));
+  }
+
+ private:
+  std::size_t all_{0}, seen_{0};
+  std::array<double, k_crease_signs> sum_{};
+};
+
+/// What rivals look like, beside their stretches of a curve.
+class Looker {
+ public:
+  Looker(const CurveGround& ground, const ClosedCurve& curve) : ground_{ground} {
+    for (const CurveState& at : curve.states) {
+      own_.push_back({.signs = signs_at(at), .per_mm = cost_at(at)});
+    }
+  }
+
+  void look_at(CurveRival& rival) const {
+    MeanSigns way, stretch;
+    for (const CurveState& at : rival.states) way.add(signs_at(at));
+    double rest_per_mm = 0;
+    std::size_t rest_places = 0;
+    for (std::size_t i = 0; i < own_.size(); ++i) {
+      const Own& at = own_[(rival.first + i) % own_.size()];
+      if (i < rival.count) stretch.add(at.signs);
+      if (i < rival.count || !at.signs) continue;
+      rest_per_mm += at.per_mm;
+      ++rest_places;
+    }
+    rival.seen = way.mostly_seen() && stretch.mostly_seen();
+    if (!rival.seen) return;
+    rival.two_surfaces = way.of(CreaseSign::TwoSurfaces);
+    rival.crease_above = stretch.of(CreaseSign::LeftCrease);
+    rival.rest_per_mm = rest_per_mm / static_cast<double>(std::max<std::size_t>(rest_places, 1));
+  }
+
+ private:
+  /// None where the surface was not seen.
+  [[nodiscard]] std::optional<CreaseSigns> signs_at(const CurveState& at) const {
+    const int col = ground_.raster.round_col(at.col);
+    if (ground_.raster.seen[ground_.raster.at(at.row, col)] == 0) return std::nullopt;
+    return ground_.looks.all(at.row, col, at.direction);
+  }
+  [[nodiscard]] double cost_at(const CurveState& at) const {
+    const std::size_t cell = ground_.costs.at(at.row, ground_.raster.round_col(at.col));
+    return static_cast<double>(ground_.costs.of(cell, at.direction));
+  }
+
+  struct Own {
+    std::optional<CreaseSigns> signs;
+    double per_mm;
+  };
+  const CurveGround& ground_;
+  std::vector<Own> own_;
+};
+
+/// Per column, the lowest row that is well above the curve.
+std::vector<int> rows_above(const Raster& raster, const ClosedCurve& curve, double same_mm) {
+  const int beyond = static_cast<int>(same_mm / Raster::k_cell_mm) + 1;
+  std::vector<int> first(static_cast<std::size_t>(raster.cols), 0);
+  for (const CurveState& at : curve.states) {
+    for (int col = at.col - 1; col <= at.col + 1; ++col) {  // no step is longer
+      int& row = first[static_cast<std::size_t>(raster.round_col(col))];
+      row = std::max(row, at.row + beyond);
+    }
+  }
+  return first;
+}
+
 }  // namespace
 
-std::vector<CurveRival> rivals_of(const Raster& raster, const CurveCosts& costs, const CurveConfig& search,
+std::optional<CurveRival> way_above(const CurveGround& ground, const CurveConfig& search,
+                                    const ClosedCurve& curve, const RivalConfig& config) {
+  constexpr float k_barred = 100;
+  const std::vector<int> first = rows_above(ground.raster, curve, config.same_mm);
+  CurveCosts above = ground.costs;
+  double least = 0;  // no way costs less
+  for (int col = 0; col < above.cols; ++col) {
+    const std::size_t from = above.at(0, col) * k_directions;
+    const auto rows = static_cast<std::size_t>(std::min(first[static_cast<std::size_t>(col)], above.rows));
+    const auto begin = above.per_mm.begin() + static_cast<std::ptrdiff_t>(from);
+    const auto open = begin + static_cast<std::ptrdiff_t>(rows * k_directions);
+    const auto end = begin + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(above.rows) * k_directions);
+    std::fill(begin, open, k_barred);
+    least +=
+        ground.raster.col_mm * static_cast<double>(open == end ? k_barred : *std::min_element(open, end));
+  }
+  const double limit = config.above_per_mm * length_of(curve.states);
+  if (least > limit) return std::nullopt;
+  std::optional<ClosedCurve> other = CurveSearch{above, search}.best(limit);
+  if (!other) return std::nullopt;
+  CurveRival rival{.first = 0,
+                   .count = curve.states.size(),
+                   .places = places_of(ground.raster, other->states),
+                   .length_mm = length_of(curve.states),
+                   .excess = other->energy - curve.energy};
+  rival.above_mm = mean_height_mm(rival.places) - mean_height_mm(places_of(ground.raster, curve.states));
+  rival.states = std::move(other->states);
+  Looker{ground, curve}.look_at(rival);
+  return rival;
+}
+
+std::vector<CurveRival> rivals_of(const CurveGround& ground, const CurveConfig& search,
                                   const ClosedCurve& curve, const RivalConfig& config) {
+  const Raster& raster = ground.raster;
+  const CurveCosts& costs = ground.costs;
   const Band band{raster, curve, config.same_mm};
   const std::vector<CurveState> once_round = part_of(curve, 0, curve.states.size() + 1, raster.cols);
-  DearerCosts dearer{raster, costs, config};
+  const double own_per_mm = curve.energy / length_of(curve.states);
+  DearerCosts dearer{raster, costs, config.same_mm, config.per_mm + own_per_mm};
   dearer.raise(once_round);
   const double own_cost = energy_of(once_round, dearer.costs(), search);
   std::vector<CurveRival> rivals;
@@ -196,6 +316,11 @@ std::vector<CurveRival> rivals_of(const Raster& raster, const CurveCosts& costs,
       rivals.push_back(std::move(way));
     }
   }
+  const Looker looker{ground, curve};
+  for (CurveRival& rival : rivals) looker.look_at(rival);
+  std::optional<CurveRival> above = way_above(ground, search, curve, config);
+  const auto is_known = [&](const CurveState& at) { return dearer.is_dearer(at); };
+  if (above && !std::ranges::all_of(above->states, is_known)) rivals.push_back(*std::move(above));
   return rivals;
 }
 

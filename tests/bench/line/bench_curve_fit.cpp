@@ -21,7 +21,8 @@
 #include <tbb/parallel_for.h>
 #include <Eigen/Dense>
 
-#include "host/bite_line/curve/curve_costs.hpp"
+#include "host/bite_line/curve/curve_ground.hpp"
+#include "host/bite_line/curve/curve_on_side.hpp"
 #include "host/bite_line/curve/curve_posterior.hpp"
 #include "host/bite_line/curve/curve_rivals.hpp"
 #include "host/bite_line/curve/curve_search.hpp"
@@ -35,6 +36,7 @@ namespace {
 using bite_line::ClosedCurve;
 using bite_line::CreaseLooks;
 using bite_line::CreaseSigns;
+using bite_line::CurveGround;
 using bite_line::CurveWeights;
 using bite_line::k_crease_signs;
 using bite_line::Large;
@@ -108,6 +110,18 @@ std::optional<Passing> passing_at(const Held& held, const CreaseLooks& looks, st
     best = Passing{row, col, k};
   }
   return best;
+}
+
+CreaseSigns median_of(const std::vector<CreaseSigns>& all) {
+  CreaseSigns median{};
+  for (std::size_t i = 0; i < median.size() && !all.empty(); ++i) {
+    std::vector<float> values;
+    for (const CreaseSigns& signs : all) values.push_back(signs[i]);
+    std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2),
+                     values.end());
+    median[i] = values[values.size() / 2];
+  }
+  return median;
 }
 
 /// Places of surface: any, and once they can be told, as many that look like a crease, which count as much.
@@ -200,8 +214,8 @@ double energy_along_truth(const Held& held, bite_line::CurveCosts costs,
 
 /// A rival, and how much of both ways is on the known line, where that is known.
 struct JudgedRival {
-  double more_per_mm, length_mm, right_share, rival_right_share;
-  double above_mm;  ///< mean, of the rival over the curve
+  bite_line::CurveRival rival;
+  double more_per_mm, right_share, rival_right_share;
   bool all_round;
 };
 
@@ -212,8 +226,8 @@ struct SearchVerdict {
   std::vector<JudgedRival> rivals{};
 };
 
-std::vector<JudgedRival> judged_rivals(const Held& held, const bite_line::CurveCosts& costs,
-                                       const bite_line::CurveConfig& config, const ClosedCurve& curve) {
+std::vector<JudgedRival> judged_rivals(const Held& held, const bite_line::CurveAndRivals& found) {
+  const ClosedCurve& curve = found.curve;
   std::vector<Vec2> own;
   for (const bite_line::CurveState& at : curve.states) own.push_back(held.raster.place(at.row, at.col));
   const auto right_share = [&](const std::vector<Vec2>& places) {
@@ -226,14 +240,13 @@ std::vector<JudgedRival> judged_rivals(const Held& held, const bite_line::CurveC
     return known > 0 ? right / known : -1;
   };
   std::vector<JudgedRival> judged;
-  for (const bite_line::CurveRival& rival : bite_line::rivals_of(held.raster, costs, config, curve, {})) {
+  for (const bite_line::CurveRival& rival : found.rivals) {
     std::vector<Vec2> stretch;
     for (std::size_t i = 0; i < rival.count; ++i) stretch.push_back(own[(rival.first + i) % own.size()]);
-    judged.push_back({.more_per_mm = bite_line::more_per_mm(rival, bite_line::PosteriorConfig{}.soft_mm),
-                      .length_mm = rival.length_mm,
+    judged.push_back({.rival = rival,
+                      .more_per_mm = bite_line::more_per_mm(rival, bite_line::PosteriorConfig{}.soft_mm),
                       .right_share = right_share(stretch),
                       .rival_right_share = right_share(rival.places),
-                      .above_mm = rival.above_mm,
                       .all_round = bite_line::leads_all_round(rival, curve)});
   }
   return judged;
@@ -241,9 +254,10 @@ std::vector<JudgedRival> judged_rivals(const Held& held, const bite_line::CurveC
 
 /// Three pictures of the unrolled side: lit from above and from the left; how cheap a curve is in its best
 /// direction; and again the first, where the curve is red, its rivals are blue, the known line is green.
-void draw(const Held& held, const bite_line::CurveCosts& costs, const bite_line::CurveConfig& config,
-          const ClosedCurve& curve, const std::string& folder) {
-  const Raster& raster = held.raster;
+void draw(const Held& held, const CurveGround& ground, const bite_line::CurveAndRivals& found,
+          const std::string& folder) {
+  const Raster& raster = ground.raster;
+  const bite_line::CurveCosts& costs = ground.costs;
   constexpr std::size_t k_lit = 0, k_cheap = 1, k_drawn = 2, k_pictures = 3;
   std::vector<std::array<std::uint8_t, 3>> pixels(k_pictures * raster.size());
   const auto pixel_of = [&](std::size_t picture, int row, int col) -> auto& {
@@ -275,9 +289,9 @@ void draw(const Held& held, const bite_line::CurveCosts& costs, const bite_line:
       pixel(row, static_cast<int>(std::lround(raster.col_of(at.x())))) = colour;
   };
   for (const Vec2& at : held.truth) put(at, {0, 200, 0});
-  for (const bite_line::CurveRival& rival : bite_line::rivals_of(raster, costs, config, curve, {}))
+  for (const bite_line::CurveRival& rival : found.rivals)
     for (const Vec2& at : rival.places) put(at, {60, 60, 255});
-  for (const bite_line::CurveState& at : curve.states) put(raster.place(at.row, at.col), {255, 0, 0});
+  for (const bite_line::CurveState& at : found.curve.states) put(raster.place(at.row, at.col), {255, 0, 0});
   std::string name = held.name;
   std::ranges::replace(name, '/', '_');
   std::ranges::replace(name, ' ', '_');
@@ -291,22 +305,22 @@ void draw(const Held& held, const bite_line::CurveCosts& costs, const bite_line:
 SearchVerdict searched(const Held& held, const CurveWeights& weights, const bite_line::CurveConfig& config,
                        bool scored = false, const std::string& pictures = {}) {
   SearchVerdict verdict;
-  CreaseLooks looks{held.raster};
-  const bite_line::CurveCosts costs = bite_line::curve_costs(held.raster, looks, weights);
-  const bite_line::CurveSearch search{costs, config};
-  const std::optional<ClosedCurve> curve = search.best();
-  if (curve && scored) verdict.rivals = judged_rivals(held, costs, config, *curve);
-  if (curve && !pictures.empty()) draw(held, costs, config, *curve, pictures);
+  CurveGround ground{held.raster, weights};
+  const auto alike = [](auto, auto) { return 0.0; };
+  const std::optional<bite_line::CurveAndRivals> found = bite_line::best_curve(ground, config, alike);
+  const ClosedCurve* const curve = found ? &found->curve : nullptr;
+  if (curve && scored) verdict.rivals = judged_rivals(held, *found);
+  if (curve && !pictures.empty()) draw(held, ground, *found, pictures);
   std::vector<Vec2> places;
   if (curve)
     for (const bite_line::CurveState& at : curve->states) places.push_back(held.raster.place(at.row, at.col));
   verdict.energy = curve ? curve->energy : 0;
   for (std::size_t i = 0; i < held.truth.size(); ++i) {
-    const bool seen = passing_at(held, looks, i).has_value();
+    const bool seen = passing_at(held, ground.looks, i).has_value();
     if (seen && least_off_mm(held.truth[i], places, held.turn_mm) > 2.0 + held.truth_mm)
       verdict.wrong_mm += Raster::k_cell_mm;
   }
-  if (scored && verdict.wrong_mm > 5) verdict.known_energy = energy_along_truth(held, costs, config);
+  if (scored && verdict.wrong_mm > 5) verdict.known_energy = energy_along_truth(held, ground.costs, config);
   return verdict;
 }
 
@@ -339,11 +353,13 @@ class CurveFit {
   }
 
   void run() {
-    weights_.alone = fitted(samples({}), held_, 2, "");
+    weights_.alone = fitted(samples({}), held_, 4, "");
     samples_ = samples(weights_.alone);
-    weights_.all = fitted(samples_, held_, 0, "");
+    weights_.all = fitted(samples_, held_, 2, "");
+    weights_.usual = fitted(samples_, held_, 0, "");
     print_weights("alone", weights_.alone);
     print_weights("all", weights_.all);
+    print_weights("usual", weights_.usual);
     tell("fitted", search_all(weights_));
   }
 
@@ -376,6 +392,13 @@ class CurveFit {
     tbb::parallel_for(std::size_t{0}, held_.size(), [&](std::size_t i) {
       CreaseLooks looks{held_[i].raster};
       if (alone) static_cast<void>(looks.look_beside({.alone = *alone, .all = {}}));
+      std::vector<CreaseSigns> line;
+      for (std::size_t k = 0; k < held_[i].truth.size(); ++k)
+        if (const std::optional<Passing> at = passing_at(held_[i], looks, k)) {
+          const CreaseSigns signs = looks.alone(at->row, at->col, at->direction);
+          if (signs[static_cast<std::size_t>(bite_line::CreaseSign::FlanksSeen)] != 0) line.push_back(signs);
+        }
+      looks.compare_with(median_of(line));
       each[i] = samples_of(held_[i], i, looks, alone);
     });
     std::vector<Sample> all;
@@ -412,12 +435,19 @@ class CurveFit {
 
   /// Where PosteriorConfig comes from: a row for each rival.
   void tell_rivals(const std::vector<SearchVerdict>& verdicts) const {
-    std::printf("rival,kind,name,leads,length_mm,more_per_mm,right_share,rival_right_share,above_mm\n");
+    std::printf(
+        "rival,kind,name,leads,length_mm,more_per_mm,right_share,rival_right_share,above_mm,"
+        "two_surfaces,crease_above,rest_per_mm\n");
     for (std::size_t i = 0; i < held_.size(); ++i)
-      for (const JudgedRival& rival : verdicts[i].rivals)
-        std::printf("rival,%s,%s,%s,%.1f,%.3f,%.2f,%.2f,%.1f\n", held_[i].kind.c_str(), held_[i].name.c_str(),
-                    rival.all_round ? "round" : "part", rival.length_mm, rival.more_per_mm, rival.right_share,
-                    rival.rival_right_share, rival.above_mm);
+      for (const JudgedRival& judged : verdicts[i].rivals)
+        std::printf("rival,%s,%s,%s,%.1f,%.3f,%.2f,%.2f,%.1f,%.2f,%.2f,%.3f\n", held_[i].kind.c_str(),
+                    held_[i].name.c_str(),
+                    !judged.rival.seen ? "unseen"
+                    : judged.all_round ? "round"
+                                       : "part",
+                    judged.rival.length_mm, judged.more_per_mm, judged.right_share, judged.rival_right_share,
+                    judged.rival.above_mm, judged.rival.two_surfaces, judged.rival.crease_above,
+                    judged.rival.rest_per_mm);
   }
 
   bite_line::CurveConfig config_;

@@ -4,11 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <memory>
 #include <numbers>
 #include <optional>
 #include <vector>
 
 #include "host/bite_line/curve/curve_costs.hpp"
+#include "host/bite_line/curve/curve_ground.hpp"
+#include "host/bite_line/curve/curve_on_side.hpp"
 #include "host/bite_line/curve/curve_posterior.hpp"
 #include "host/bite_line/curve/curve_rivals.hpp"
 #include "host/bite_line/curve/curve_search.hpp"
@@ -56,6 +59,19 @@ bool on_gate(int row, int col) {
   return near(row, k_high) || (flank && row >= k_low && row <= k_high);
 }
 
+/// A blank side with these costs.
+std::unique_ptr<CurveGround> ground_of(CurveCosts costs) {
+  auto ground = std::make_unique<CurveGround>(blank_raster(), fitted_weights());
+  ground->costs = std::move(costs);
+  return ground;
+}
+
+ClosedCurve best_of(const CurveCosts& costs) {
+  std::optional<ClosedCurve> best = CurveSearch{costs, {}}.best();
+  CHECK(best.has_value());
+  return *std::move(best);
+}
+
 bool leads_over(const ClosedCurve& curve, int row, int col) {
   return std::ranges::any_of(curve.states, [&](const CurveState& at) {
     return std::abs(at.row - row) <= 1 && std::abs((at.col - col) % k_cols) <= 1;
@@ -84,6 +100,35 @@ Raster raster_of(const Side& side) {
 double stepped_mm(double z, double at_mm) {
   constexpr double k_step_mm = 1.0, k_lean = 0.1;
   return z < at_mm ? 0.0 : -k_step_mm - k_lean * (z - at_mm);
+}
+
+/// A sole that is nearly flush: it ends at `at_mm`, and the upper leans outwards for 12 mm.
+double faint_mm(double z, double at_mm) {
+  constexpr double k_step_mm = 0.3, k_lean = 0.2, k_up_mm = 12;
+  const double up_mm = z - at_mm;
+  return up_mm < 0 ? 0.0
+                   : -k_step_mm + k_lean * std::min(up_mm, k_up_mm) - k_lean * std::max(0.0, up_mm - k_up_mm);
+}
+
+bool everywhere(double) {
+  return true;
+}
+
+/// The share of a drum's best curve that lies within 1.5 mm of a height, where `at` holds.
+double share_at(const std::function<double(double s, double z)>& surface, double z_mm,
+                const std::function<bool(double s)>& at) {
+  const Side side = drum_side(surface);
+  CurveGround ground = curve_ground(side);
+  const auto found = best_curve(ground, {}, [](auto, auto) { return 0.0; });
+  CHECK(found.has_value());
+  double near = 0, all = 0;
+  for (const CurveState& state : found->curve.states) {
+    const Vec2 place = ground.raster.place(state.row, ground.raster.round_col(state.col));
+    if (!at(place.x())) continue;
+    all += 1;
+    near += std::abs(place.y() - z_mm) < 1.5 ? 1 : 0;
+  }
+  return near / all;
 }
 
 }  // namespace
@@ -147,13 +192,13 @@ TEST_GROUP(CurveRivals){};
 
 TEST(CurveRivals, AnotherCreaseAllRoundIsOneRival) {
   const CurveCosts costs = costs_where([](int row, int) { return row == 30 || row == 50; });
-  const std::optional<ClosedCurve> best = CurveSearch{costs, {}}.best();
-  const std::vector<CurveRival> rivals = rivals_of(blank_raster(), costs, {}, *best, {.per_mm = 0.2});
+  const ClosedCurve best = best_of(costs);
+  const std::vector<CurveRival> rivals = rivals_of(*ground_of(costs), {}, best, {.per_mm = 0.2});
   LONGS_EQUAL(1, rivals.size());
-  LONGS_EQUAL(best->states.size(), rivals.front().count);
-  CHECK(leads_all_round(rivals.front(), *best));
+  LONGS_EQUAL(best.states.size(), rivals.front().count);
+  CHECK(leads_all_round(rivals.front(), best));
   DOUBLES_EQUAL(0, rivals.front().excess, 1e-3);
-  const double away_mm = rivals.front().places[5].y() - blank_raster().place(best->states[5].row, 0).y();
+  const double away_mm = rivals.front().places[5].y() - blank_raster().place(best.states[5].row, 0).y();
   DOUBLES_EQUAL(15, std::abs(away_mm), 1e-6);
 }
 
@@ -164,11 +209,11 @@ TEST(CurveRivals, AStretchBesideTheCurveTellsWhatItCostsMore) {
     const int rise = std::min({k_up, col - k_first, k_last - col});
     return row == 30 || (rise > 0 && row == 30 + rise);
   });
-  const std::optional<ClosedCurve> best = CurveSearch{costs, {}}.best();
-  const std::vector<CurveRival> rivals = rivals_of(blank_raster(), costs, {}, *best, {.per_mm = 0.6});
+  const ClosedCurve best = best_of(costs);
+  const std::vector<CurveRival> rivals = rivals_of(*ground_of(costs), {}, best, {.above_per_mm = 1});
   LONGS_EQUAL(1, rivals.size());
   const CurveRival& rival = rivals.front();
-  CHECK(!leads_all_round(rival, *best));
+  CHECK(!leads_all_round(rival, best));
   // Off by more than the band of 3 cells; the slants cost their length, the corners their bends.
   DOUBLES_EQUAL(0.75 * (k_last - k_first - 8), rival.length_mm, 4);
   CHECK(rival.excess > 0.5);
@@ -185,8 +230,8 @@ TEST(CurveRivals, OneBehindAnotherIsFoundAsWell) {
     const bool on_flank = (col == 51 || col == 149) && row > 30 && row < 60;
     return row == 30 || row == 15 || on_part || on_flank;
   });
-  const std::optional<ClosedCurve> best = CurveSearch{costs, {}}.best();
-  const std::vector<CurveRival> rivals = rivals_of(blank_raster(), costs, {}, *best, {.per_mm = 0.6});
+  const ClosedCurve best = best_of(costs);
+  const std::vector<CurveRival> rivals = rivals_of(*ground_of(costs), {}, best, {.per_mm = 0.6});
   const auto leads_to = [&](const CurveRival& rival, int row) {
     return std::ranges::any_of(rival.places, [&](const Vec2& at) {
       return std::abs(at.y() - blank_raster().place(row, 0).y()) < 1e-6;
@@ -194,28 +239,42 @@ TEST(CurveRivals, OneBehindAnotherIsFoundAsWell) {
   };
   CHECK(std::ranges::any_of(rivals, [&](const CurveRival& rival) { return leads_to(rival, 60); }));
   CHECK(std::ranges::any_of(rivals, [&](const CurveRival& rival) {
-    return leads_to(rival, best->states.front().row == 30 ? 15 : 30);
+    return leads_to(rival, best.states.front().row == 30 ? 15 : 30);
   }));
 }
 
 TEST(CurveRivals, ACurveByItselfHasNone) {
   const CurveCosts costs = costs_where([](int row, int) { return row == 30; });
-  const std::optional<ClosedCurve> best = CurveSearch{costs, {}}.best();
-  CHECK(rivals_of(blank_raster(), costs, {}, *best, {}).empty());
+  const ClosedCurve best = best_of(costs);
+  CHECK(rivals_of(*ground_of(costs), {}, best, {}).empty());
+}
+
+TEST(CurveRivals, AFaintWayAllRoundAboveIsOneHoweverPlainTheCurveIs) {
+  const auto above_at = [](float per_mm) {
+    CurveCosts costs = costs_where([](int row, int) { return row == 30; });
+    for (int col = 0; col < k_cols; ++col)
+      for (std::size_t k = 0; k < k_directions; ++k) costs.of(costs.at(50, col), k) = per_mm;
+    const ClosedCurve best = best_of(costs);
+    return way_above(*ground_of(costs), {}, best, {.above_per_mm = 2.0});
+  };
+  const std::optional<CurveRival> above = above_at(1.5F);
+  CHECK(above.has_value());
+  DOUBLES_EQUAL(15, above->above_mm, 1e-6);
+  DOUBLES_EQUAL(k_turn_mm * (1.5 - 0.05), above->excess, 0.1);
+  CHECK(!above_at(2.5F).has_value());
 }
 
 TEST_GROUP(CurvePosterior){};
 
 TEST(CurvePosterior, AnotherWayAsLikelyTakesHalfOfItsStretchAlone) {
-  const CurveCosts costs = costs_where([](int row, int) { return row == 30; });
-  const std::optional<ClosedCurve> best = CurveSearch{costs, {}}.best();
+  const ClosedCurve best = best_of(costs_where([](int row, int) { return row == 30; }));
   const Raster raster = blank_raster();
   constexpr PosteriorConfig k_config{};
-  CurveRival rival{.first = 20, .count = 40, .places = {}, .length_mm = 30, .excess = 0};
-  rival.excess = k_config.even * (rival.length_mm + k_config.soft_mm);
+  CurveRival rival{.first = 20, .count = 40, .length_mm = 30};
+  rival.excess = -k_config.unseen / k_config.unseen_more * (rival.length_mm + k_config.soft_mm);
   for (std::size_t i = rival.first; i < rival.first + rival.count; ++i)
-    rival.places.push_back(raster.place(best->states[i].row + 20, best->states[i].col));
-  const std::vector<CurveStation> stations = curve_posterior(raster, *best, {&rival, 1}, 2.25, k_config);
+    rival.places.push_back(raster.place(best.states[i].row + 20, best.states[i].col));
+  const std::vector<CurveStation> stations = curve_posterior(raster, best, {&rival, 1}, 2.25, k_config);
   DOUBLES_EQUAL(0.5, stations[40].hold, 1e-6);
   LONGS_EQUAL(1, stations[40].alternatives.size());
   DOUBLES_EQUAL(15, stations[40].alternatives.front().off_mm, 1e-3);
@@ -225,21 +284,43 @@ TEST(CurvePosterior, AnotherWayAsLikelyTakesHalfOfItsStretchAlone) {
 
 TEST(CurvePosterior, WaysThatLieTogetherCountOnce) {
   const CurveCosts costs = costs_where([](int row, int) { return row == 30 || row == 50; });
-  const std::optional<ClosedCurve> best = CurveSearch{costs, {}}.best();
-  const Raster raster = blank_raster();
-  std::vector<CurveRival> rivals = rivals_of(raster, costs, {}, *best, {});
+  const ClosedCurve best = best_of(costs);
+  std::vector<CurveRival> rivals = rivals_of(*ground_of(costs), {}, best, {});
   LONGS_EQUAL(1, rivals.size());
+  rivals.front().seen = false;
   rivals.push_back(rivals.front());
-  const PosteriorConfig config{.even_round = 0};
-  DOUBLES_EQUAL(0.5, curve_posterior(raster, *best, rivals, 2.25, config)[10].hold, 0.01);
+  DOUBLES_EQUAL(0.5, curve_posterior(blank_raster(), best, rivals, 2.25, {.unseen = 0})[10].hold, 0.01);
+}
+
+TEST(CurvePosterior, OfTwoAllRoundTheUpperOneIsTheLineWhereItLiesBetweenTwoSurfaces) {
+  const ClosedCurve best = best_of(costs_where([](int row, int) { return row == 30; }));
+  CurveRival rival{.count = best.states.size(), .length_mm = k_turn_mm, .excess = k_turn_mm, .seen = true};
+  const auto log_odds = [&](double above_mm, double two_surfaces) {
+    rival.above_mm = above_mm;
+    rival.two_surfaces = two_surfaces;
+    return log_odds_of(rival, best, {});
+  };
+  CHECK_COMPARE(log_odds(8, 0.98), >, 2);
+  CHECK_COMPARE(log_odds(8, 0.4), <, -2);  // a seam
+  CHECK_COMPARE(log_odds(-8, 0.98), <, -3);
+}
+
+TEST(CurvePosterior, AStretchWithACreaseAboveIsDoubtedTheMoreTheFainterTheLineIs) {
+  const ClosedCurve best = best_of(costs_where([](int row, int) { return row == 30; }));
+  CurveRival rival{.count = 40, .length_mm = 30, .above_mm = 4, .seen = true, .rest_per_mm = 0.5};
+  const double usual = log_odds_of(rival, best, {});
+  rival.crease_above = 1;
+  const double below_a_crease = log_odds_of(rival, best, {});
+  CHECK_COMPARE(below_a_crease, >, usual + 1.5);
+  rival.rest_per_mm = 0.03;
+  CHECK_COMPARE(log_odds_of(rival, best, {}), <, below_a_crease - 2);
 }
 
 TEST(CurvePosterior, OneFlankOfAGuardIsNoRivalOfTheOther) {
   const CurveCosts costs = costs_where(on_gate);
-  const std::optional<ClosedCurve> curve = CurveSearch{costs, {}}.best();
-  const Raster raster = blank_raster();
-  const std::vector<CurveRival> rivals = rivals_of(raster, costs, {}, *curve, {});
-  for (const CurveStation& station : curve_posterior(raster, *curve, rivals, 2.25, {}))
+  const ClosedCurve curve = best_of(costs);
+  const std::vector<CurveRival> rivals = rivals_of(*ground_of(costs), {}, curve, {});
+  for (const CurveStation& station : curve_posterior(blank_raster(), curve, rivals, 2.25, {}))
     CHECK(station.hold > 0.9);
 }
 
@@ -277,6 +358,28 @@ TEST(CurveCosts, ACurveFollowsAStepThatRisesUprightRoundTheToe) {
     const bool beside_flank = std::abs(place.x() - 300) < 3 || std::abs(place.x() - 340) < 3;
     if (!beside_flank) DOUBLES_EQUAL(height_mm(place.x()), place.y(), 1.2);
   }
+}
+
+TEST_GROUP(BestCurve){};
+
+TEST(BestCurve, AFaintStepAllRoundIsTheLineAndAPlainLedgeBelowItIsNot) {
+  const auto surface = [](double, double z) { return (z < 25 ? 1.5 : 0.0) + faint_mm(z, 33); };
+  CHECK_COMPARE(share_at(surface, 33, everywhere), >, 0.98);
+}
+
+TEST(BestCurve, AGrooveAllRoundAboveTheStepIsASeam) {
+  const auto surface = [](double, double z) {
+    return stepped_mm(z, 25) - 0.25 * std::max(0.0, 1 - std::abs(z - 35) / 0.8);
+  };
+  CHECK_COMPARE(share_at(surface, 25, everywhere), >, 0.98);
+}
+
+TEST(BestCurve, APlainEdgeBelowAFaintLineIsNotTakenOverAPart) {
+  const auto by_bumper = [](double s) { return s > 290 && s < 370; };
+  const auto surface = [&](double s, double z) {
+    return (by_bumper(s) && z > 12 && z < 27 ? 1.2 : 0.0) + faint_mm(z, 33);
+  };
+  CHECK_COMPARE(share_at(surface, 33, by_bumper), >, 0.9);
 }
 
 TEST_GROUP(FindByCurve){void teardown() override{forgive_underflow();
