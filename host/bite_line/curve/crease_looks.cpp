@@ -251,7 +251,7 @@ Large<float> CreaseLooks::look_beside(const CurveWeights& weights) {
         const CreaseSigns signs = alone(row, col, k);
         like[k][cell] =
             std::clamp((log_odds(weights.alone, signs) - k_nothing) / (k_sure - k_nothing), 0.0F, 1.0F);
-        own[cell * k_directions + k] = log_odds(in_use(weights), signs);
+        own[cell * k_directions + k] = log_odds(weights.all, signs);
       }
     }
   });

@@ -63,13 +63,10 @@ class CreaseLooks {
   /// All but the creases beside it.
   [[nodiscard]] CreaseSigns alone(int row, int col, std::size_t direction) const;
   /// Reads what is beside each place: `weights.alone` say how line-like a place is by itself.  Gives, per
-  /// cell and direction, the log odds by the weights in use without what is beside it.
+  /// cell and direction, the log odds by `weights.all` without what is beside it.
   Large<float> look_beside(const CurveWeights& weights);
   /// What this shoe's line usually shows; from now on places are compared with it.
   void compare_with(const CreaseSigns& usual) { usual_ = usual; }
-  [[nodiscard]] const SignWeights& in_use(const CurveWeights& weights) const {
-    return usual_ ? weights.usual : weights.all;
-  }
   /// What the creases beside a place add to these.
   [[nodiscard]] float beside(int row, int col, std::size_t direction, const SignWeights& weights) const;
   /// All; those beside it are 0 before look_beside().

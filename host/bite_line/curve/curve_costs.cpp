@@ -40,8 +40,7 @@ std::vector<std::uint8_t> gaps_of(const Raster& raster) {
 CurveCosts curve_costs(const Raster& raster, CreaseLooks& looks, const CurveWeights& weights) {
   const std::vector<std::uint8_t> gap = gaps_of(raster);
   CurveCosts costs{.rows = raster.rows, .cols = raster.cols, .per_mm = looks.look_beside(weights)};
-  const SignWeights& in_use = looks.in_use(weights);
-  const float plain = cost_of(k_line_log_odds + in_use[static_cast<std::size_t>(CreaseSign::Always)]);
+  const float plain = cost_of(k_line_log_odds + weights.all[static_cast<std::size_t>(CreaseSign::Always)]);
   tbb::parallel_for(tbb::blocked_range<int>{0, raster.cols, 16}, [&](const auto& range) {
     for (int col = range.begin(); col != range.end(); ++col) {
       for (int row = 0; row < raster.rows; ++row) {
@@ -51,13 +50,31 @@ CurveCosts curve_costs(const Raster& raster, CreaseLooks& looks, const CurveWeig
           if (raster.seen[cell] == 0)
             cost = gap[cell] != 0 ? k_unseen_cost_per_mm : plain;
           else
-            cost = looks.turns(cell, k) ? cost_of(k_line_log_odds + cost + looks.beside(row, col, k, in_use))
-                                        : plain;
+            cost = looks.turns(cell, k)
+                       ? cost_of(k_line_log_odds + cost + looks.beside(row, col, k, weights.all))
+                       : plain;
         }
       }
     }
   });
   return costs;
+}
+
+void compare_costs(CurveCosts& costs, const Raster& raster, const CreaseLooks& looks,
+                   const SignWeights& usual) {
+  tbb::parallel_for(tbb::blocked_range<int>{0, raster.cols, 16}, [&](const auto& range) {
+    for (int col = range.begin(); col != range.end(); ++col) {
+      for (int row = 0; row < raster.rows; ++row) {
+        const std::size_t cell = raster.at(row, col);
+        if (raster.seen[cell] == 0) continue;
+        for (std::size_t k = 0; k < k_directions; ++k) {
+          float& cost = costs.of(cell, k);
+          if (cost < k_most_cost_per_mm)
+            cost = cost_of(k_line_log_odds + log_odds(usual, looks.all(row, col, k)));
+        }
+      }
+    }
+  });
 }
 
 }  // namespace biteline::bite_line

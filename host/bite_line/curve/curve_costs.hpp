@@ -40,4 +40,9 @@ inline constexpr float k_most_cost_per_mm = 4.0F;
 
 [[nodiscard]] CurveCosts curve_costs(const Raster& raster, CreaseLooks& looks, const CurveWeights& weights);
 
+/// Once `looks` compare places with what the line usually shows: these costs anew.  What was as unlikely as
+/// can be stays so.
+void compare_costs(CurveCosts& costs, const Raster& raster, const CreaseLooks& looks,
+                   const SignWeights& usual);
+
 }  // namespace biteline::bite_line

@@ -148,6 +148,8 @@ CurveSearch::CurveSearch(const CurveCosts& costs, const CurveConfig& config)
   begin_col_ = surest_col(best);
   for (std::size_t k = 0; k < k_directions; ++k) half_step_mm_[k] = static_cast<float>(0.5 * length_mm(k));
   unrolled_cols_ = costs.cols + 2 * pad_cols_ + 1;
+  per_mm_.reserve(static_cast<std::size_t>(unrolled_cols_) * static_cast<std::size_t>(costs.rows) *
+                  k_directions);
   for (int col = 0; col < unrolled_cols_; ++col) {
     const float* from =
         &costs.per_mm[costs.at(0, round_col(begin_col_ - pad_cols_ + col, costs.cols)) * k_directions];
