@@ -153,12 +153,23 @@ class HeaderLines {
     return "a PLY header line";
   }
   [[nodiscard]] bool has_format() const { return has_format_; }
+  /// A row of it has no known length.  The format line may come after properties that text may have.
+  [[nodiscard]] bool is_binary_of_unknown_types() const {
+    const auto is_unknown = [](const PlyProperty& property) {
+      return property.type == PlyScalar::Word || (property.is_list && property.count_type == PlyScalar::Word);
+    };
+    return header.encoding != PlyEncoding::Ascii &&
+           std::ranges::any_of(header.elements, [&](const PlyElement& element) {
+             return std::ranges::any_of(element.properties, is_unknown);
+           });
+  }
 
   PlyHeader header;
 
  private:
   const char* take_format(const std::vector<std::string>& words) {
     const std::string_view kind = words.size() > 1 ? words[1] : std::string_view{};
+    if (has_format_) return "only one format line";
     if (kind == "ascii")
       header.encoding = PlyEncoding::Ascii;
     else if (kind == "binary_little_endian")
@@ -231,6 +242,7 @@ Result<PlyHeader> parse_ply_header(std::string_view bytes, const std::string& na
     };
     if (is_end(line)) {
       if (!lines.has_format()) return bad("a format line before end_header");
+      if (lines.is_binary_of_unknown_types()) return bad("known property types in a binary file");
       lines.header.body_begin = begin;
       lines.header.body_first_line = line_number + 1;
       return std::move(lines.header);

@@ -82,6 +82,18 @@ TEST(Ply, ElementWithoutPropertiesCostsNothingHoweverManyRowsItClaims) {
   FAILS_NAMING(Errc::BadFormat, "at least one triangle", read_mesh(folder.write("m.ply", faces)));
 }
 
+TEST(Ply, UnknownTypesAreRefusedInABinaryFileWhereverItsFormatLineIs) {
+  const std::string places = "element vertex 1\nproperty float x\nproperty float y\nproperty float z\n";
+  const std::string unknown = "element other 2\nproperty word a\n",
+                    binary = "format binary_little_endian 1.0\n";
+  const std::string body = "end_header\n" + std::string(40, '\0');
+  FAILS_NAMING(Errc::BadFormat, "a known property type", read("ply\n" + binary + places + unknown + body));
+  FAILS_NAMING(Errc::BadFormat, "known property types in a binary file",
+               read("ply\n" + places + unknown + binary + body));
+  FAILS_NAMING(Errc::BadFormat, "only one format line",
+               read("ply\nformat ascii 1.0\n" + places + unknown + binary + body));
+}
+
 TEST(Ply, SecondElementVertexIsRefused) {
   const std::string two =
       "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
