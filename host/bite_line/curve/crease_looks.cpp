@@ -45,6 +45,19 @@ float log_odds(const SignWeights& weights, const CreaseSigns& signs) {
   return sum;
 }
 
+CreaseSigns medians_of(std::span<const CreaseSigns> all) {
+  CreaseSigns medians{};
+  if (all.empty()) return medians;
+  std::vector<float> values(all.size());
+  for (std::size_t i = 0; i < k_crease_signs; ++i) {
+    std::ranges::transform(all, values.begin(), [i](const CreaseSigns& signs) { return signs[i]; });
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    medians[i] = *middle;
+  }
+  return medians;
+}
+
 CreaseLooks::Beside CreaseLooks::left_of(std::size_t direction, double mm) {
   const CellStep step = k_cell_steps[direction];
   const double along = -step.rows / step.length() * mm / Raster::k_cell_mm;

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "host/bite_line/curve/raster.hpp"
@@ -48,6 +49,9 @@ struct CurveWeights {
   SignWeights all;      ///< by what is beside it, too
   SignWeights usual{};  ///< and by what this shoe's line usually shows
 };
+
+/// Sign by sign; 0 of none.
+[[nodiscard]] CreaseSigns medians_of(std::span<const CreaseSigns> all);
 
 class CreaseLooks {
  public:

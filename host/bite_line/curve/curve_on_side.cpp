@@ -2,7 +2,6 @@
 #include "host/bite_line/curve/curve_on_side.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <utility>
 
@@ -60,22 +59,14 @@ class Wholes {
   std::optional<Materials> materials_;
 };
 
-/// The medians of a curve's signs, where both flanks were seen.
+/// What a curve usually shows, where both flanks were seen.
 CreaseSigns usual_along(const CurveGround& ground, std::span<const CurveState> states) {
-  std::array<std::vector<float>, k_crease_signs> seen;
+  std::vector<CreaseSigns> seen;
   for (const CurveState& at : states) {
     const CreaseSigns signs = ground.looks.alone(at.row, ground.raster.round_col(at.col), at.direction);
-    if (signs[static_cast<std::size_t>(CreaseSign::FlanksSeen)] == 0) continue;
-    for (std::size_t i = 0; i < k_crease_signs; ++i) seen[i].push_back(signs[i]);
+    if (signs[static_cast<std::size_t>(CreaseSign::FlanksSeen)] != 0) seen.push_back(signs);
   }
-  CreaseSigns usual{};
-  for (std::size_t i = 0; i < k_crease_signs; ++i) {
-    if (seen[i].empty()) continue;
-    const auto middle = seen[i].begin() + static_cast<std::ptrdiff_t>(seen[i].size() / 2);
-    std::nth_element(seen[i].begin(), middle, seen[i].end());
-    usual[i] = *middle;
-  }
-  return usual;
+  return medians_of(seen);
 }
 
 /// The curve, or one all round above it that is the likelier line, and so on.

@@ -266,7 +266,7 @@ std::optional<CurveRival> way_above(const CurveGround& ground, const CurveConfig
   constexpr float k_barred = 100;
   const std::vector<int> first = rows_above(ground.raster, curve, config.same_mm);
   CurveCosts above = ground.costs;
-  double least = 0;  // no way costs less
+  double least = 0;  // a way costs hardly less: it passes all columns but those that a long step skips
   for (int col = 0; col < above.cols; ++col) {
     const std::size_t from = above.at(0, col) * k_directions;
     const auto rows = static_cast<std::size_t>(std::min(first[static_cast<std::size_t>(col)], above.rows));

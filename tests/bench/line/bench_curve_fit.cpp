@@ -112,18 +112,6 @@ std::optional<Passing> passing_at(const Held& held, const CreaseLooks& looks, st
   return best;
 }
 
-CreaseSigns median_of(const std::vector<CreaseSigns>& all) {
-  CreaseSigns median{};
-  for (std::size_t i = 0; i < median.size() && !all.empty(); ++i) {
-    std::vector<float> values;
-    for (const CreaseSigns& signs : all) values.push_back(signs[i]);
-    std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2),
-                     values.end());
-    median[i] = values[values.size() / 2];
-  }
-  return median;
-}
-
 /// Places of surface: any, and once they can be told, as many that look like a crease, which count as much.
 /// Plain surface is easy to tell from the line; which of several creases it is, is the question.
 std::vector<Sample> samples_of(const Held& held, std::size_t number, const CreaseLooks& looks,
@@ -398,7 +386,7 @@ class CurveFit {
           const CreaseSigns signs = looks.alone(at->row, at->col, at->direction);
           if (signs[static_cast<std::size_t>(bite_line::CreaseSign::FlanksSeen)] != 0) line.push_back(signs);
         }
-      looks.compare_with(median_of(line));
+      looks.compare_with(bite_line::medians_of(line));
       each[i] = samples_of(held_[i], i, looks, alone);
     });
     std::vector<Sample> all;
