@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <numeric>
 
 #include "host/geometry/closed_curve.hpp"
 
@@ -95,25 +96,35 @@ class Stations {
 
 }  // namespace
 
-double more_per_mm(const CurveRival& rival, double soft_mm) {
-  return rival.excess / (rival.length_mm + soft_mm);
+double more_per_mm(const CurveRival& rival) {
+  constexpr double k_soft_mm = 25;
+  return rival.excess / (rival.length_mm + k_soft_mm);
 }
 
 bool leads_all_round(const CurveRival& rival, const ClosedCurve& curve) {
   return 10 * rival.count > 9 * curve.states.size();
 }
 
+RoundSigns round_signs(const CurveRival& rival) {
+  const double side = rival.above_mm > 0 ? 1 : -1;
+  return {side, side * (rival.two_surfaces - 1), side * rival.uneven};
+}
+
+PartSigns part_signs(const CurveRival& rival) {
+  constexpr double k_well_below_mm = 6;
+  constexpr double k_least_per_mm = 0.02;  // nothing is plainer
+  const double plainest = std::max(k_least_per_mm, std::min(rival.own_per_mm, rival.rest_per_mm));
+  return {1, rival.above_mm < -k_well_below_mm ? 1.0 : 0.0, rival.crease_above, std::log(plainest),
+          more_per_mm(rival)};
+}
+
 double log_odds_of(const CurveRival& rival, const ClosedCurve& curve, const PosteriorConfig& config) {
-  const double more = more_per_mm(rival, config.soft_mm);
-  if (!rival.seen) return config.unseen + config.unseen_more * more;
-  if (leads_all_round(rival, curve)) {
-    return std::copysign(config.round_above, rival.above_mm) +
-           config.round_two_surfaces * (rival.two_surfaces - 1) + config.round_more * more + rival.as_whole;
-  }
-  return config.part + (rival.above_mm < -config.below_mm ? config.part_below : 0) +
-         config.part_crease_above * rival.crease_above +
-         config.part_faint * std::log(std::max(config.least_per_mm, rival.rest_per_mm)) +
-         config.part_more * more;
+  const auto sum = [](const auto& weights, const auto& signs) {
+    return std::inner_product(weights.begin(), weights.end(), signs.begin(), 0.0);
+  };
+  if (!rival.seen) return config.unseen + config.unseen_more * more_per_mm(rival);
+  if (leads_all_round(rival, curve)) return sum(config.round, round_signs(rival)) + rival.as_whole;
+  return sum(config.part, part_signs(rival));
 }
 
 std::vector<CurveStation> curve_posterior(const Raster& raster, const ClosedCurve& curve,

@@ -2,6 +2,7 @@
 #pragma once
 /// \file Where else the line may run, place by place along a curve, and how likely.
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -11,28 +12,24 @@
 
 namespace biteline::bite_line {
 
-/// That a way is the line and the curve beside it is not: two logistic fits to the rows of bench_curve_fit,
-/// of ways all round and of ways over a part.
-///
-/// The bite line is the highest crease between two surfaces.  So of two that go all the way round the upper
-/// one is the line, wherever it lies between two surfaces, and however faint it is.
-/// Over a part, what was taken wrongly is the upper edge of a cap, a counter or a bumper.  Then another
-/// crease lies above it, or the line well below it; and on a shoe whose line is plain elsewhere, it is rare.
+/// What tells which of two ways all round is the line: the bite line is the highest crease between two
+/// surfaces.  So it is the upper one, if that lies between two surfaces, however faint it is, and is as faint
+/// all round: pieces of seams and overlays that a way leads along are plain here and nothing there.
+/// 1, two_surfaces - 1, uneven; negative where the rival is the lower one.
+using RoundSigns = std::array<double, 3>;
+[[nodiscard]] RoundSigns round_signs(const CurveRival& rival);
+
+/// And over a part.  What was taken wrongly is the upper edge of a cap, a counter or a bumper.  Then another
+/// crease lies above it, or the line well below it.  It is rare where the stretch is plain, or the line
+/// elsewhere. 1, well below or not, crease_above, logs of own_per_mm and rest_per_mm, more_per_mm.
+using PartSigns = std::array<double, 6>;
+[[nodiscard]] PartSigns part_signs(const CurveRival& rival);
+
+/// That a way is the line and the curve beside it is not: two logistic fits of `bench_curve_fit --rivals`.
+/// The part's first number is 0.6 less than the fit's: on common shoes fewer stretches are wrong.
 struct PosteriorConfig {
-  /// Log odds of a way all round above the curve; so much less, below it ...
-  double round_above{3.4};
-  double round_two_surfaces{9.5};  ///< ... by how much of it lies between two surfaces ...
-  double round_more{-0.6};         ///< ... and by what it costs more for each millimetre
-  /// Log odds of a way over a part (0.6 less than the fit gives: fewer are wrong on common shoes than on its
-  /// own) ...
-  double part{-1.7};
-  double part_below{1.1};  ///< ... that lies `below_mm` lower or more ...
-  double below_mm{6.0};
-  double part_crease_above{2.1};  ///< ... by the crease above the curve's stretch ...
-  double part_faint{0.85};        ///< ... by the logarithm of what its rest costs for each millimetre ...
-  double least_per_mm{0.02};      ///< ... no rest being plainer than so ...
-  double part_more{-2.0};         ///< ... and by what the way costs more for each millimetre ...
-  double soft_mm{25.0};           ///< ... to which so much is added: a short way must cost something, too
+  RoundSigns round{4.17, 9.77, -3.69};
+  PartSigns part{-1.76, 2.44, 4.10, 1.62, -3.09};
   /// Where nothing is seen, the way that costs as much is as likely.
   double unseen{1.0};
   double unseen_more{-20.0};
@@ -52,8 +49,9 @@ struct CurveStation {
   std::vector<CurveAlternative> alternatives{};  ///< likeliest first
 };
 
-/// What tells a rival from the stretch of the curve beside it: so much more it costs for each millimetre.
-[[nodiscard]] double more_per_mm(const CurveRival& rival, double soft_mm);
+/// So much more a rival costs for each millimetre than the stretch of the curve beside it, which is taken to
+/// be 25 mm longer: a short way must cost something, too.
+[[nodiscard]] double more_per_mm(const CurveRival& rival);
 [[nodiscard]] bool leads_all_round(const CurveRival& rival, const ClosedCurve& curve);
 /// Log odds of a rival against the stretch of the curve that it stands beside.
 [[nodiscard]] double log_odds_of(const CurveRival& rival, const ClosedCurve& curve,

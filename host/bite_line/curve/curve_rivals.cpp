@@ -2,7 +2,6 @@
 #include "host/bite_line/curve/curve_rivals.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -179,71 +178,74 @@ std::vector<CurveRival> ways_of(const ClosedCurve& other, const Band& band, cons
   return ways;
 }
 
-/// Means of signs, where the surface was seen.
-class MeanSigns {
- public:
-  void add(const std::optional<CreaseSigns>& signs) {
-    ++all_;
-    if (!signs) return;
-    ++seen_;
-    for (std::size_t i = 0; i < signs->size(); ++i) sum_[i] += static_cast<double>((*signs)[i]);
-  }
-  [[nodiscard]] bool mostly_seen() const { return 3 * seen_ > all_; }
-  [[nodiscard]] double of(CreaseSign sign) const {
-    return sum_[static_cast<std::size_t>(sign)] / static_cast<double>(std::max<std::size_t>(seen_, 1));
-  }
-
- private:
-  std::size_t all_{0}, seen_{0};
-  std::array<double, k_crease_signs> sum_{};
+/// A curve's place whose surface was seen.
+struct SeenPlace {
+  CreaseSigns signs;
+  double per_mm;
 };
+
+double mean_of(std::span<const SeenPlace> places, CreaseSign sign) {
+  double sum = 0;
+  for (const SeenPlace& place : places)
+    sum += static_cast<double>(place.signs[static_cast<std::size_t>(sign)]);
+  return sum / static_cast<double>(std::max<std::size_t>(places.size(), 1));
+}
+
+double mean_per_mm(std::span<const SeenPlace> places) {
+  double sum = 0;
+  for (const SeenPlace& place : places) sum += place.per_mm;
+  return sum / static_cast<double>(std::max<std::size_t>(places.size(), 1));
+}
+
+/// Of means over some 12 mm: their standard deviation.
+double uneven_along(std::span<const SeenPlace> places) {
+  constexpr std::size_t k_run = 17;
+  if (places.size() < k_run) return 0;
+  const double mean = mean_per_mm(places);
+  double squares = 0;
+  for (std::size_t i = 0; i + k_run <= places.size(); ++i) {
+    const double off = mean_per_mm(places.subspan(i, k_run)) - mean;
+    squares += off * off;
+  }
+  return std::sqrt(squares / static_cast<double>(places.size() - k_run + 1));
+}
 
 /// What rivals look like, beside their stretches of a curve.
 class Looker {
  public:
   Looker(const CurveGround& ground, const ClosedCurve& curve) : ground_{ground} {
-    for (const CurveState& at : curve.states) {
-      own_.push_back({.signs = signs_at(at), .per_mm = cost_at(at)});
-    }
+    for (const CurveState& at : curve.states) own_.push_back(place_at(at));
   }
 
   void look_at(CurveRival& rival) const {
-    MeanSigns way, stretch;
-    for (const CurveState& at : rival.states) way.add(signs_at(at));
-    double rest_per_mm = 0;
-    std::size_t rest_places = 0;
+    std::vector<SeenPlace> way, stretch, rest;
+    for (const CurveState& at : rival.states)
+      if (const std::optional<SeenPlace> place = place_at(at)) way.push_back(*place);
     for (std::size_t i = 0; i < own_.size(); ++i) {
-      const Own& at = own_[(rival.first + i) % own_.size()];
-      if (i < rival.count) stretch.add(at.signs);
-      if (i < rival.count || !at.signs) continue;
-      rest_per_mm += at.per_mm;
-      ++rest_places;
+      const std::optional<SeenPlace>& place = own_[(rival.first + i) % own_.size()];
+      if (place) (i < rival.count ? stretch : rest).push_back(*place);
     }
-    rival.seen = way.mostly_seen() && stretch.mostly_seen();
+    rival.seen = 3 * way.size() > rival.states.size() && 3 * stretch.size() > rival.count;
     if (!rival.seen) return;
-    rival.two_surfaces = way.of(CreaseSign::TwoSurfaces);
-    rival.crease_above = stretch.of(CreaseSign::LeftCrease);
-    rival.rest_per_mm = rest_per_mm / static_cast<double>(std::max<std::size_t>(rest_places, 1));
+    const std::vector<SeenPlace>& upper = rival.above_mm > 0 ? way : stretch;
+    rival.two_surfaces = mean_of(upper, CreaseSign::TwoSurfaces);
+    rival.uneven = uneven_along(upper);
+    rival.crease_above = mean_of(stretch, CreaseSign::LeftCrease);
+    rival.own_per_mm = mean_per_mm(stretch);
+    rival.rest_per_mm = mean_per_mm(rest);
   }
 
  private:
-  /// None where the surface was not seen.
-  [[nodiscard]] std::optional<CreaseSigns> signs_at(const CurveState& at) const {
+  [[nodiscard]] std::optional<SeenPlace> place_at(const CurveState& at) const {
     const int col = ground_.raster.round_col(at.col);
-    if (ground_.raster.seen[ground_.raster.at(at.row, col)] == 0) return std::nullopt;
-    return ground_.looks.all(at.row, col, at.direction);
-  }
-  [[nodiscard]] double cost_at(const CurveState& at) const {
-    const std::size_t cell = ground_.costs.at(at.row, ground_.raster.round_col(at.col));
-    return static_cast<double>(ground_.costs.of(cell, at.direction));
+    const std::size_t cell = ground_.raster.at(at.row, col);
+    if (ground_.raster.seen[cell] == 0) return std::nullopt;
+    return SeenPlace{.signs = ground_.looks.all(at.row, col, at.direction),
+                     .per_mm = static_cast<double>(ground_.costs.of(cell, at.direction))};
   }
 
-  struct Own {
-    std::optional<CreaseSigns> signs;
-    double per_mm;
-  };
   const CurveGround& ground_;
-  std::vector<Own> own_;
+  std::vector<std::optional<SeenPlace>> own_;
 };
 
 /// Per column, the lowest row that is well above the curve.

@@ -21,11 +21,14 @@ struct CurveRival {
   double above_mm{0};              ///< mean height of the way over that of the stretch
   double excess{0};                ///< so much more the way costs than the stretch
   bool seen{false};                ///< the surface is, under most of the way and of the stretch
-  /// How much the way lies between two surfaces, 0 to 1.
+  /// How much the upper one of the way and the stretch lies between two surfaces, 0 to 1.
   double two_surfaces{1};
+  /// How much that one's looks change along it: the standard deviation of what it costs for each millimetre.
+  double uneven{0};
   /// How line-like the best crease above the stretch is, 0 to 1.
   double crease_above{0};
-  double rest_per_mm{0};  ///< what the rest of the curve costs, where it was seen
+  double own_per_mm{0};   ///< what the stretch costs, where it was seen
+  double rest_per_mm{0};  ///< and what the rest of the curve costs
   /// Log odds of a way all round by what it and the curve are as wholes; 0 where nobody looked.
   double as_whole{0};
 };

@@ -2,7 +2,9 @@
 #include "host/bite_line/curve/raster.hpp"
 
 #include <algorithm>
+#include <array>
 #include <numbers>
+#include <numeric>
 #include <vector>
 
 #include <tbb/blocked_range.h>
@@ -69,10 +71,38 @@ std::vector<float> weights_of(double sigma_cells) {
   return weights;
 }
 
+/// How far apart profiles are, in cells along the outline: four fifths of it have points as near as that.
+double apart_cells(const Raster& raster, std::span<const CellMean> means) {
+  constexpr std::size_t k_most = 6;  // what is farther apart is a gap in the surface
+  std::array<std::size_t, k_most + 1> length{};
+  for (int row = 0; row < raster.rows; ++row) {
+    std::size_t since = k_most + 1;
+    for (int col = 0; col < raster.cols; ++col, ++since) {
+      if (means[raster.at(row, col)].count == 0) continue;
+      if (since <= k_most) length[since] += since;
+      since = 0;
+    }
+  }
+  const std::size_t all = std::accumulate(length.begin(), length.end(), std::size_t{0});
+  std::size_t apart = 0, sum = 0;
+  while (apart < k_most && 5 * sum <= 4 * all) sum += length[++apart];
+  return static_cast<double>(apart);
+}
+
+/// Gaussian weights along the outline and up.
+struct PlaneWeights {
+  std::vector<float> along, up;
+};
+
 class PlaneFit {
  public:
-  PlaneFit(Raster& raster, std::span<const CellMean> means, std::span<const float> weights)
-      : raster_{raster}, means_{means}, weights_{weights}, reach_{static_cast<int>(weights.size() / 2)} {}
+  PlaneFit(Raster& raster, std::span<const CellMean> means, const PlaneWeights& weights, double along_per_up)
+      : raster_{raster},
+        means_{means},
+        weights_{weights},
+        up_per_along_{static_cast<float>(1 / along_per_up)},
+        reach_cols_{static_cast<int>(weights.along.size() / 2)},
+        reach_rows_{static_cast<int>(weights.up.size() / 2)} {}
 
   void column(int col) {
     for (int row = 0; row < raster_.rows; ++row) fit(row, col);
@@ -81,15 +111,15 @@ class PlaneFit {
  private:
   [[nodiscard]] PlaneSums sums_about(int row, int col) const {
     PlaneSums sums;
-    const int first = std::max(-reach_, -row);
-    const int last = std::min(reach_, raster_.rows - 1 - row);
-    for (int dc = -reach_; dc <= reach_; ++dc) {
-      const float along = weights_[static_cast<std::size_t>(dc + reach_)];
+    const int first = std::max(-reach_rows_, -row);
+    const int last = std::min(reach_rows_, raster_.rows - 1 - row);
+    for (int dc = -reach_cols_; dc <= reach_cols_; ++dc) {
+      const float along = weights_.along[static_cast<std::size_t>(dc + reach_cols_)];
       const CellMean* column = means_.data() + raster_.at(row, raster_.round_col(col + dc));
       for (int dr = first; dr <= last; ++dr) {
         const CellMean& mean = column[dr];
         if (mean.count == 0) continue;
-        sums.add(along * weights_[static_cast<std::size_t>(dr + reach_)] * mean.count,
+        sums.add(along * weights_.up[static_cast<std::size_t>(dr + reach_rows_)] * mean.count,
                  mean.x + static_cast<float>(dc), mean.z + static_cast<float>(dr), mean.o);
       }
     }
@@ -106,7 +136,8 @@ class PlaneFit {
     const PlaneSums sums = sums_about(row, col);
     if (sums.w < k_least_weight) return;
     const float x = sums.x / sums.w, z = sums.z / sums.w, o = sums.o / sums.w;
-    if (x * x + z * z > k_farthest * k_farthest) return;
+    const float x_away = x * up_per_along_;
+    if (x_away * x_away + z * z > k_farthest * k_farthest) return;
     const float xx = sums.xx / sums.w - x * x + k_least_spread;
     const float zz = sums.zz / sums.w - z * z + k_least_spread;
     const float xz = sums.xz / sums.w - x * z;
@@ -123,17 +154,19 @@ class PlaneFit {
 
   Raster& raster_;
   std::span<const CellMean> means_;
-  std::span<const float> weights_;
-  int reach_;
+  const PlaneWeights& weights_;
+  float up_per_along_;
+  int reach_cols_, reach_rows_;
 };
 
 }  // namespace
 
 Raster Raster::of(std::span<const OutlinePlace> places, double turn_mm, double z_low_mm, double height_mm,
                   double points_per_mm2) {
-  constexpr double k_sigma_mm = 0.55;       // close to the 0.4 mm of the line's definition
-  constexpr double k_least_points = 3;      // within a circle of that radius, where points are few
-  constexpr double k_fewest_per_mm2 = 0.2;  // fewer show no shoe
+  constexpr double k_sigma_mm = 0.55;        // close to the 0.4 mm of the line's definition
+  constexpr double k_least_points = 3;       // within a circle of that radius, where points are few
+  constexpr double k_sigma_of_apart = 0.45;  // midway between two profiles, both count by a half
+  constexpr double k_fewest_per_mm2 = 0.2;   // fewer show no shoe
   Raster raster;
   raster.z_low_mm = z_low_mm;
   raster.rows = std::max(1, static_cast<int>(height_mm / k_cell_mm));
@@ -144,9 +177,11 @@ Raster Raster::of(std::span<const OutlinePlace> places, double turn_mm, double z
   raster.seen.resize(raster.size());
   const double few_mm =
       std::sqrt(k_least_points / (std::numbers::pi * std::max(points_per_mm2, k_fewest_per_mm2)));
-  const std::vector<float> weights = weights_of(std::max(k_sigma_mm, few_mm) / k_cell_mm);
   const std::vector<CellMean> means = means_of(raster, places);
-  PlaneFit fit{raster, means, weights};
+  const double up = std::max(k_sigma_mm, few_mm) / k_cell_mm;
+  const double along = std::max(up, k_sigma_of_apart * apart_cells(raster, means));
+  const PlaneWeights weights{.along = weights_of(along), .up = weights_of(up)};
+  PlaneFit fit{raster, means, weights, along / up};
   tbb::parallel_for(tbb::blocked_range<int>{0, raster.cols, 16}, [&](const auto& range) {
     for (int col = range.begin(); col != range.end(); ++col) fit.column(col);
   });

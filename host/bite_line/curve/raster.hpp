@@ -45,7 +45,7 @@ struct Raster {
   Large<std::uint8_t> seen;
 
   /// `turn_mm`: the outline's length; what has a negative s is left out.  `points_per_mm2`: where points are
-  /// few, planes are wider.
+  /// few, planes are wider, and where profiles are far apart, longer.
   [[nodiscard]] static Raster of(std::span<const OutlinePlace> places, double turn_mm, double z_low_mm,
                                  double height_mm, double points_per_mm2);
 

@@ -104,7 +104,7 @@ double stepped_mm(double z, double at_mm) {
 
 /// A sole that is nearly flush: it ends at `at_mm`, and the upper leans outwards for 12 mm.
 double faint_mm(double z, double at_mm) {
-  constexpr double k_step_mm = 0.3, k_lean = 0.2, k_up_mm = 12;
+  constexpr double k_step_mm = 0.35, k_lean = 0.2, k_up_mm = 12;
   const double up_mm = z - at_mm;
   return up_mm < 0 ? 0.0
                    : -k_step_mm + k_lean * std::min(up_mm, k_up_mm) - k_lean * std::max(0.0, up_mm - k_up_mm);
@@ -271,7 +271,8 @@ TEST(CurvePosterior, AnotherWayAsLikelyTakesHalfOfItsStretchAlone) {
   const Raster raster = blank_raster();
   constexpr PosteriorConfig k_config{};
   CurveRival rival{.first = 20, .count = 40, .length_mm = 30};
-  rival.excess = -k_config.unseen / k_config.unseen_more * (rival.length_mm + k_config.soft_mm);
+  rival.excess = 1;
+  rival.excess = -k_config.unseen / k_config.unseen_more / more_per_mm(rival);
   for (std::size_t i = rival.first; i < rival.first + rival.count; ++i)
     rival.places.push_back(raster.place(best.states[i].row + 20, best.states[i].col));
   const std::vector<CurveStation> stations = curve_posterior(raster, best, {&rival, 1}, 2.25, k_config);
@@ -295,24 +296,27 @@ TEST(CurvePosterior, WaysThatLieTogetherCountOnce) {
 TEST(CurvePosterior, OfTwoAllRoundTheUpperOneIsTheLineWhereItLiesBetweenTwoSurfaces) {
   const ClosedCurve best = best_of(costs_where([](int row, int) { return row == 30; }));
   CurveRival rival{.count = best.states.size(), .length_mm = k_turn_mm, .excess = k_turn_mm, .seen = true};
-  const auto log_odds = [&](double above_mm, double two_surfaces) {
+  const auto log_odds = [&](double above_mm, double two_surfaces, double uneven) {
     rival.above_mm = above_mm;
     rival.two_surfaces = two_surfaces;
+    rival.uneven = uneven;
     return log_odds_of(rival, best, {});
   };
-  CHECK_COMPARE(log_odds(8, 0.98), >, 2);
-  CHECK_COMPARE(log_odds(8, 0.4), <, -2);  // a seam
-  CHECK_COMPARE(log_odds(-8, 0.98), <, -3);
+  CHECK_COMPARE(log_odds(8, 0.98, 0.1), >, 3);
+  CHECK_COMPARE(log_odds(8, 0.4, 0.1), <, -1);    // a seam
+  CHECK_COMPARE(log_odds(8, 0.9, 1.3), <, -1.5);  // pieces of overlays
+  CHECK_COMPARE(log_odds(-8, 0.98, 0.1), <, -3);
 }
 
 TEST(CurvePosterior, AStretchWithACreaseAboveIsDoubtedTheMoreTheFainterTheLineIs) {
   const ClosedCurve best = best_of(costs_where([](int row, int) { return row == 30; }));
-  CurveRival rival{.count = 40, .length_mm = 30, .above_mm = 4, .seen = true, .rest_per_mm = 0.5};
+  CurveRival rival{
+      .count = 40, .length_mm = 30, .above_mm = 4, .seen = true, .own_per_mm = 0.5, .rest_per_mm = 0.5};
   const double usual = log_odds_of(rival, best, {});
   rival.crease_above = 1;
   const double below_a_crease = log_odds_of(rival, best, {});
   CHECK_COMPARE(below_a_crease, >, usual + 1.5);
-  rival.rest_per_mm = 0.03;
+  rival.own_per_mm = 0.03;
   CHECK_COMPARE(log_odds_of(rival, best, {}), <, below_a_crease - 2);
 }
 
@@ -388,14 +392,14 @@ TEST_GROUP(FindByCurve){void teardown() override{forgive_underflow();
 ;
 
 TEST(FindByCurve, AnotherWayOfAStretchIsACandidate) {
-  // Over 60 mm the step is two, 4 mm above and below, of which the lower one takes six tenths.
-  constexpr double k_from_mm = 290, k_to_mm = 350, k_half_mm = 4, k_lower_share = 0.6;
+  // A faint step; over 60 mm it is two, 4 mm above and below, of which the lower one takes six tenths.
+  constexpr double k_from_mm = 290, k_to_mm = 350, k_half_mm = 4, k_step_mm = 0.35, k_lower_share = 0.6;
   cloud::PointCloud cloud;
   cloud.points = drum_points(egg_outline(), [](double s, double z) {
     const double beyond_mm = std::max({0.0, k_from_mm - s, s - k_to_mm});
     const double by_mm = std::max(0.0, k_half_mm - beyond_mm);
-    return -0.1 * std::max(0.0, z - 25) - (z > 25 - by_mm ? k_lower_share : 0) -
-           (z > 25 + by_mm ? 1 - k_lower_share : 0);
+    return -0.1 * std::max(0.0, z - 25) - (z > 25 - by_mm ? k_lower_share * k_step_mm : 0) -
+           (z > 25 + by_mm ? (1 - k_lower_share) * k_step_mm : 0);
   });
   const Extraction found = find_by_curve(cloud, {});
   CHECK(found.candidates.size() > 1);
