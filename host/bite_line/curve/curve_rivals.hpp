@@ -48,6 +48,11 @@ struct RivalConfig {
 [[nodiscard]] std::optional<CurveRival> way_above(const CurveGround& ground, const CurveConfig& search,
                                                   const ClosedCurve& curve, const RivalConfig& config);
 
+/// The cheapest curve that leads elsewhere over a rival's stretch.
+[[nodiscard]] std::optional<ClosedCurve> curve_without(const CurveGround& ground, const CurveConfig& search,
+                                                       const ClosedCurve& curve, const CurveRival& rival,
+                                                       const RivalConfig& config);
+
 /// The ways of the cheapest curve when all that lies beside `curve` costs so much more; then of the cheapest
 /// one when what lies beside these ways does, too; and so on until there is no other.  And the way above.
 /// What a stretch shows, its neighbours show, too: a mould line is as plain for a metre as for a centimetre.

@@ -243,6 +243,24 @@ TEST(CurveRivals, OneBehindAnotherIsFoundAsWell) {
   }));
 }
 
+TEST(CurveRivals, WithoutAStretchTheCurveTakesTheWayBesideIt) {
+  constexpr int k_first = 80, k_last = 140;
+  const auto on_part = [](int row, int col) {
+    return (row == 50 && col >= k_first && col <= k_last) ||
+           ((col == k_first || col == k_last) && row >= 30 && row <= 50);
+  };
+  const CurveCosts costs = costs_where([&](int row, int col) { return row == 30 || on_part(row, col); });
+  const std::unique_ptr<CurveGround> ground = ground_of(costs);
+  const ClosedCurve best = best_of(costs);
+  CHECK(leads_over(best, 30, 110));
+  const std::vector<CurveRival> rivals = rivals_of(*ground, {}, best, {});
+  CHECK(!rivals.empty());
+  const std::optional<ClosedCurve> other = curve_without(*ground, {}, best, rivals.front(), {});
+  CHECK(other.has_value());
+  CHECK(leads_over(*other, 50, 110));
+  CHECK(leads_over(*other, 30, 20));
+}
+
 TEST(CurveRivals, ACurveByItselfHasNone) {
   const CurveCosts costs = costs_where([](int row, int) { return row == 30; });
   const ClosedCurve best = best_of(costs);
@@ -428,6 +446,15 @@ TEST(CurveRaster, APlaneIsReadAsItself) {
   DOUBLES_EQUAL(k_along * place.x() + k_up * place.y(), static_cast<double>(raster.o_mm[cell]), 0.02);
   DOUBLES_EQUAL(k_up, static_cast<double>(raster.up_ratio[cell]), 0.06);
   DOUBLES_EQUAL(k_along, static_cast<double>(raster.along_ratio[cell]), 0.04);
+}
+
+TEST(CurveRaster, BetweenProfilesTwoMillimetresApartTheSurfaceIsSeen) {
+  std::vector<OutlinePlace> places;
+  for (double s = 0.3; s < k_turn_mm; s += 2)
+    for (double z = 10.1; z < 40; z += 0.15)
+      places.push_back({static_cast<float>(s), 0, static_cast<float>(z)});
+  const Raster raster = Raster::of(places, k_turn_mm, 10, 30, 3.3);
+  LONGS_EQUAL(raster.size(), std::ranges::count(raster.seen, 1));
 }
 
 }  // namespace biteline::bite_line::test
