@@ -232,7 +232,8 @@ class Looker {
     rival.uneven = uneven_along(upper);
     rival.crease_above = mean_of(stretch, CreaseSign::LeftCrease);
     rival.own_per_mm = mean_per_mm(stretch);
-    rival.rest_per_mm = mean_per_mm(rest);
+    // A rest that nobody saw is not plain.
+    rival.rest_per_mm = mean_per_mm(rest.empty() ? stretch : rest);
   }
 
  private:
