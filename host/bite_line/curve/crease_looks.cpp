@@ -37,6 +37,13 @@ float& of(CreaseSigns& signs, CreaseSign sign) {
   return signs[static_cast<std::size_t>(sign)];
 }
 
+/// Of signs, or of their weights.
+float value(const std::array<float, k_crease_signs>& signs, CreaseSign sign) {
+  return signs[static_cast<std::size_t>(sign)];
+}
+
+constexpr float k_unknown = 2;  // beyond any sign
+
 }  // namespace
 
 float log_odds(const SignWeights& weights, const CreaseSigns& signs) {
@@ -241,60 +248,76 @@ CreaseSigns CreaseLooks::alone(int row, int col, std::size_t direction) const {
   const float ahead = fine_rad_[(axis + k_axes / 2) % k_axes][here];
   of(signs, CreaseSign::EdgeAhead) = plain(-ahead - noise, k_rim_rad);
   if (!usual_) return signs;
-  const auto unlike = [&](CreaseSign sign) {
-    return std::abs(of(signs, sign) - (*usual_)[static_cast<std::size_t>(sign)]);
-  };
+  const auto unlike = [&](CreaseSign sign) { return std::abs(value(signs, sign) - value(*usual_, sign)); };
   of(signs, CreaseSign::UnlikeTurn) = unlike(CreaseSign::FineTurn);
   if (of(signs, CreaseSign::FlanksSeen) != 0)
     of(signs, CreaseSign::UnlikeStep) = unlike(CreaseSign::FlankStep);
   return signs;
 }
 
-Large<float> CreaseLooks::look_beside(const CurveWeights& weights) {
+void CreaseLooks::look_beside(const CurveWeights& weights) {
   constexpr float k_nothing = -4, k_sure = 2;  // log odds: a faint crease counts, too
-  Large<float> own(raster_.size() * k_directions);
+  weights_ = weights;
+  for (Large<float>* values : {&by_all_, &by_usual_, &turn_, &step_})
+    values->resize(raster_.size() * k_directions);
   std::array<Large<float>, k_directions> like;
-  tbb::parallel_for(std::size_t{0}, k_directions, [&](std::size_t k) {
-    like[k].resize(raster_.size());
-    for (int col = 0; col < raster_.cols; ++col) {
+  for (Large<float>& values : like) values.resize(raster_.size());
+  tbb::parallel_for(tbb::blocked_range<int>{0, raster_.cols, 16}, [&](const auto& range) {
+    for (int col = range.begin(); col != range.end(); ++col) {
       for (int row = 0; row < raster_.rows; ++row) {
         const std::size_t cell = raster_.at(row, col);
-        like[k][cell] = 0;
-        if (raster_.seen[cell] == 0 || !turns(cell, k)) continue;
-        const CreaseSigns signs = alone(row, col, k);
-        like[k][cell] =
-            std::clamp((log_odds(weights.alone, signs) - k_nothing) / (k_sure - k_nothing), 0.0F, 1.0F);
-        own[cell * k_directions + k] = log_odds(weights.all, signs);
+        for (std::size_t k = 0; k < k_directions; ++k) {
+          like[k][cell] = 0;
+          if (raster_.seen[cell] == 0 || !turns(cell, k)) continue;
+          const CreaseSigns signs = alone(row, col, k);
+          like[k][cell] =
+              std::clamp((log_odds(weights.alone, signs) - k_nothing) / (k_sure - k_nothing), 0.0F, 1.0F);
+          const std::size_t at = cell * k_directions + k;
+          by_all_[at] = log_odds(weights.all, signs);
+          by_usual_[at] = log_odds(weights.usual, signs);
+          turn_[at] = value(signs, CreaseSign::FineTurn);
+          step_[at] =
+              value(signs, CreaseSign::FlanksSeen) != 0 ? value(signs, CreaseSign::FlankStep) : k_unknown;
+        }
       }
     }
   });
   tbb::parallel_for(std::size_t{0}, k_directions, [&](std::size_t k) {
-    alike_[k] = like[k];
+    Large<float> alike = like[k];  // in this direction or one beside it
     for (const std::size_t other : {k + 1, k - 1}) {
       if (other >= k_directions) continue;
-      const Large<float>& beside = like[other];
-      for (std::size_t i = 0; i < beside.size(); ++i) alike_[k][i] = std::max(alike_[k][i], beside[i]);
+      for (std::size_t i = 0; i < alike.size(); ++i) alike[i] = std::max(alike[i], like[other][i]);
     }
+    left_crease_[k] = most_beside(alike, ways_[k].left);
+    right_crease_[k] = most_beside(alike, ways_[k].right);
   });
-  return own;
 }
 
-float CreaseLooks::beside(int row, int col, std::size_t direction, const SignWeights& weights) const {
-  const Ways& ways = ways_[direction];
-  return weights[static_cast<std::size_t>(CreaseSign::LeftCrease)] *
-             most_alike(row, col, ways.left, direction) +
-         weights[static_cast<std::size_t>(CreaseSign::RightCrease)] *
-             most_alike(row, col, ways.right, direction);
+float CreaseLooks::odds(std::size_t cell, std::size_t direction) const {
+  const std::size_t at = cell * k_directions + direction;
+  const SignWeights& weights = usual_ ? weights_.usual : weights_.all;
+  const auto weight = [&](CreaseSign sign) { return value(weights, sign); };
+  float sum = usual_ ? by_usual_[at] : by_all_[at];
+  sum += weight(CreaseSign::LeftCrease) * left_crease_[direction][cell];
+  sum += weight(CreaseSign::RightCrease) * right_crease_[direction][cell];
+  if (!usual_) return sum;
+  sum += weight(CreaseSign::UnlikeTurn) * std::abs(turn_[at] - value(*usual_, CreaseSign::FineTurn));
+  if (step_[at] < k_unknown)
+    sum += weight(CreaseSign::UnlikeStep) * std::abs(step_[at] - value(*usual_, CreaseSign::FlankStep));
+  return sum;
 }
 
-float CreaseLooks::most_alike(int row, int col, const std::vector<Beside>& places,
-                              std::size_t direction) const {
-  const Large<float>& alike = alike_[direction];
-  if (alike.empty()) return 0;
-  float most = 0;
-  for (const Beside& at : places) {
-    const std::ptrdiff_t there = cell(row, col, at);
-    if (there >= 0) most = std::max(most, alike[static_cast<std::size_t>(there)]);
+Large<float> CreaseLooks::most_beside(const Large<float>& values, const std::vector<Beside>& places) const {
+  Large<float> most(raster_.size());
+  std::fill(most.begin(), most.end(), 0.0F);
+  for (int col = 0; col < raster_.cols; ++col) {
+    float* to = most.data() + raster_.at(0, col);
+    for (const Beside& at : places) {
+      const float* from = values.data() + raster_.at(0, raster_.round_col(col + at.cols));
+      const int last = raster_.rows - std::max(0, at.rows);
+      for (int row = std::max(0, -at.rows); row < last; ++row)
+        to[row] = std::max(to[row], from[row + at.rows]);
+    }
   }
   return most;
 }
@@ -302,8 +325,10 @@ float CreaseLooks::most_alike(int row, int col, const std::vector<Beside>& place
 CreaseSigns CreaseLooks::all(int row, int col, std::size_t direction) const {
   CreaseSigns signs = alone(row, col, direction);
   if (signs[static_cast<std::size_t>(CreaseSign::Turns)] == 0) return signs;
-  of(signs, CreaseSign::LeftCrease) = most_alike(row, col, ways_[direction].left, direction);
-  of(signs, CreaseSign::RightCrease) = most_alike(row, col, ways_[direction].right, direction);
+  if (left_crease_[direction].empty()) return signs;
+  const std::size_t here = raster_.at(row, col);
+  of(signs, CreaseSign::LeftCrease) = left_crease_[direction][here];
+  of(signs, CreaseSign::RightCrease) = right_crease_[direction][here];
   return signs;
 }
 

@@ -66,13 +66,13 @@ class CreaseLooks {
   }
   /// All but the creases beside it.
   [[nodiscard]] CreaseSigns alone(int row, int col, std::size_t direction) const;
-  /// Reads what is beside each place: `weights.alone` say how line-like a place is by itself.  Gives, per
-  /// cell and direction, the log odds by `weights.all` without what is beside it.
-  Large<float> look_beside(const CurveWeights& weights);
+  /// Reads all places, and what is beside each: `weights.alone` say how line-like a place is by itself.
+  void look_beside(const CurveWeights& weights);
   /// What this shoe's line usually shows; from now on places are compared with it.
   void compare_with(const CreaseSigns& usual) { usual_ = usual; }
-  /// What the creases beside a place add to these.
-  [[nodiscard]] float beside(int row, int col, std::size_t direction, const SignWeights& weights) const;
+  /// By `weights.all` of look_beside(), or `weights.usual` once places are compared.  Pre: seen, and it
+  /// turns.
+  [[nodiscard]] float odds(std::size_t cell, std::size_t direction) const;
   /// All; those beside it are 0 before look_beside().
   [[nodiscard]] CreaseSigns all(int row, int col, std::size_t direction) const;
 
@@ -97,8 +97,8 @@ class CreaseLooks {
   };
   [[nodiscard]] Flank flank(int row, int col, const std::vector<Beside>& places) const;
   [[nodiscard]] float share_seen(int row, int col, const std::vector<Beside>& places) const;
-  [[nodiscard]] float most_alike(int row, int col, const std::vector<Beside>& places,
-                                 std::size_t direction) const;
+  /// Per cell, the most of a value at the places beside it.
+  [[nodiscard]] Large<float> most_beside(const Large<float>& values, const std::vector<Beside>& places) const;
 
   /// Places beside a direction, for each of its looks.
   struct Ways {
@@ -111,7 +111,11 @@ class CreaseLooks {
   std::optional<CreaseSigns> usual_;
   std::vector<float> noise_rad_;  ///< per column
   std::array<Ways, k_directions> ways_;
-  std::array<Large<float>, k_directions> alike_;  ///< how line-like, in this direction or one beside it
+  CurveWeights weights_{};
+  std::array<Large<float>, k_directions> left_crease_, right_crease_;  ///< per cell, see CreaseSign
+  /// Per cell and direction, without what is beside it: log odds by `weights_.all`, and by `weights_.usual`
+  /// before anything is compared; FineTurn; FlankStep, or k_unknown.
+  Large<float> by_all_, by_usual_, turn_, step_;
 };
 
 }  // namespace biteline::bite_line

@@ -39,7 +39,9 @@ std::vector<std::uint8_t> gaps_of(const Raster& raster) {
 
 CurveCosts curve_costs(const Raster& raster, CreaseLooks& looks, const CurveWeights& weights) {
   const std::vector<std::uint8_t> gap = gaps_of(raster);
-  CurveCosts costs{.rows = raster.rows, .cols = raster.cols, .per_mm = looks.look_beside(weights)};
+  looks.look_beside(weights);
+  CurveCosts costs{.rows = raster.rows, .cols = raster.cols, .per_mm = {}};
+  costs.per_mm.resize(raster.size() * k_directions);
   const float plain = cost_of(k_line_log_odds + weights.all[static_cast<std::size_t>(CreaseSign::Always)]);
   tbb::parallel_for(tbb::blocked_range<int>{0, raster.cols, 16}, [&](const auto& range) {
     for (int col = range.begin(); col != range.end(); ++col) {
@@ -50,9 +52,7 @@ CurveCosts curve_costs(const Raster& raster, CreaseLooks& looks, const CurveWeig
           if (raster.seen[cell] == 0)
             cost = gap[cell] != 0 ? k_unseen_cost_per_mm : plain;
           else
-            cost = looks.turns(cell, k)
-                       ? cost_of(k_line_log_odds + cost + looks.beside(row, col, k, weights.all))
-                       : plain;
+            cost = looks.turns(cell, k) ? cost_of(k_line_log_odds + looks.odds(cell, k)) : plain;
         }
       }
     }
@@ -62,6 +62,7 @@ CurveCosts curve_costs(const Raster& raster, CreaseLooks& looks, const CurveWeig
 
 void compare_costs(CurveCosts& costs, const Raster& raster, const CreaseLooks& looks,
                    const SignWeights& usual) {
+  const float plain = cost_of(k_line_log_odds + usual[static_cast<std::size_t>(CreaseSign::Always)]);
   tbb::parallel_for(tbb::blocked_range<int>{0, raster.cols, 16}, [&](const auto& range) {
     for (int col = range.begin(); col != range.end(); ++col) {
       for (int row = 0; row < raster.rows; ++row) {
@@ -70,7 +71,7 @@ void compare_costs(CurveCosts& costs, const Raster& raster, const CreaseLooks& l
         for (std::size_t k = 0; k < k_directions; ++k) {
           float& cost = costs.of(cell, k);
           if (cost < k_most_cost_per_mm)
-            cost = cost_of(k_line_log_odds + log_odds(usual, looks.all(row, col, k)));
+            cost = looks.turns(cell, k) ? cost_of(k_line_log_odds + looks.odds(cell, k)) : plain;
         }
       }
     }

@@ -80,20 +80,6 @@ ClosedCurve highest_from(const CurveGround& ground, const CurveConfig& search, C
   return curve;
 }
 
-/// The rival over a part that is likelier than the curve's own stretch, if there is one.
-const CurveRival* likelier(std::span<const CurveRival> rivals, const ClosedCurve& curve) {
-  const CurveRival* best = nullptr;
-  double most = 0;
-  for (const CurveRival& rival : rivals) {
-    if (!rival.seen || leads_all_round(rival, curve)) continue;
-    const double odds = log_odds_of(rival, curve, k_posterior);
-    if (odds <= most) continue;
-    most = odds;
-    best = &rival;
-  }
-  return best;
-}
-
 }  // namespace
 
 CurveGround curve_ground(const Side& side) {
@@ -132,13 +118,6 @@ std::optional<CurveAndRivals> best_curve(CurveGround& ground, const CurveConfig&
   if (!best) return std::nullopt;
   ClosedCurve curve = highest_from(ground, search, *std::move(best), as_whole);
   std::vector<CurveRival> rivals = rivals_of(ground, search, curve, k_rivals);
-  // Once: of two ways each may be likelier than the other, and then a person decides.
-  if (const CurveRival* const other = likelier(rivals, curve)) {
-    if (std::optional<ClosedCurve> without = curve_without(ground, search, curve, *other, k_rivals)) {
-      curve = *std::move(without);
-      rivals = rivals_of(ground, search, curve, k_rivals);
-    }
-  }
   for (CurveRival& rival : rivals)
     if (rival.count == curve.states.size()) rival.as_whole = as_whole(rival.states, curve.states);
   return CurveAndRivals{.curve = std::move(curve), .rivals = std::move(rivals)};

@@ -111,11 +111,10 @@ RoundSigns round_signs(const CurveRival& rival) {
 }
 
 PartSigns part_signs(const CurveRival& rival) {
-  constexpr double k_well_below_mm = 6;
   constexpr double k_least_per_mm = 0.02;  // nothing is plainer
-  const double plainest = std::max(k_least_per_mm, std::min(rival.own_per_mm, rival.rest_per_mm));
-  return {1, rival.above_mm < -k_well_below_mm ? 1.0 : 0.0, rival.crease_above, std::log(plainest),
-          more_per_mm(rival)};
+  const double own = std::log(std::max(k_least_per_mm, rival.own_per_mm));
+  const double rest = std::log(std::max(k_least_per_mm, rival.rest_per_mm));
+  return {1, std::min(own, rest), std::clamp(own - rest, -1.0, 1.0), rival.own_uneven};
 }
 
 double log_odds_of(const CurveRival& rival, const ClosedCurve& curve, const PosteriorConfig& config) {

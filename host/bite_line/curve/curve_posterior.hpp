@@ -19,17 +19,17 @@ namespace biteline::bite_line {
 using RoundSigns = std::array<double, 3>;
 [[nodiscard]] RoundSigns round_signs(const CurveRival& rival);
 
-/// And over a part.  What was taken wrongly is the upper edge of a cap, a counter or a bumper.  Then another
-/// crease lies above it, or the line well below it.  It is rare where the stretch is plain, or the line
-/// elsewhere. 1, well below or not, crease_above, logs of own_per_mm and rest_per_mm, more_per_mm.
-using PartSigns = std::array<double, 6>;
+/// And over a part.  What was taken wrongly is the edge of a cap, a counter or a bumper.  It is less like the
+/// line than the rest of the curve is, it does not look the same all along, and it is rare on a plain line.
+/// 1, the logarithm of the lesser one of own_per_mm and rest_per_mm, that of the first over the second,
+/// within 1 of 0, and own_uneven.
+using PartSigns = std::array<double, 4>;
 [[nodiscard]] PartSigns part_signs(const CurveRival& rival);
 
 /// That a way is the line and the curve beside it is not: two logistic fits of `bench_curve_fit --rivals`.
-/// The part's first number is 0.6 less than the fit's: on common shoes fewer stretches are wrong.
 struct PosteriorConfig {
-  RoundSigns round{4.17, 9.77, -3.69};
-  PartSigns part{-1.76, 2.44, 4.10, 1.62, -3.09};
+  RoundSigns round{4.85, 9.19, -3.59};
+  PartSigns part{0.33, 1.97, 2.03, 2.56};
   /// Where nothing is seen, the way that costs as much is as likely.
   double unseen{1.0};
   double unseen_more{-20.0};

@@ -230,7 +230,7 @@ class Looker {
     const std::vector<SeenPlace>& upper = rival.above_mm > 0 ? way : stretch;
     rival.two_surfaces = mean_of(upper, CreaseSign::TwoSurfaces);
     rival.uneven = uneven_along(upper);
-    rival.crease_above = mean_of(stretch, CreaseSign::LeftCrease);
+    rival.own_uneven = uneven_along(stretch);
     rival.own_per_mm = mean_per_mm(stretch);
     // A rest that nobody saw is not plain.
     rival.rest_per_mm = mean_per_mm(rest.empty() ? stretch : rest);
@@ -293,18 +293,6 @@ std::optional<CurveRival> way_above(const CurveGround& ground, const CurveConfig
   rival.states = std::move(other->states);
   Looker{ground, curve}.look_at(rival);
   return rival;
-}
-
-std::optional<ClosedCurve> curve_without(const CurveGround& ground, const CurveConfig& search,
-                                         const ClosedCurve& curve, const CurveRival& rival,
-                                         const RivalConfig& config) {
-  constexpr double k_barred = 100;
-  DearerCosts costs{ground.raster, ground.costs, config.same_mm, k_barred};
-  // Near both of its ends the way is beside the stretch.
-  const std::size_t margin =
-      std::min(rival.count / 4, static_cast<std::size_t>(2 * config.same_mm / Raster::k_cell_mm));
-  costs.raise(part_of(curve, rival.first + margin, rival.count - 2 * margin, ground.raster.cols));
-  return CurveSearch{costs.costs(), search}.best(k_barred * config.same_mm + 2 * curve.energy);
 }
 
 std::vector<CurveRival> rivals_of(const CurveGround& ground, const CurveConfig& search,

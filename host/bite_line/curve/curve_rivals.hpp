@@ -13,20 +13,19 @@ namespace biteline::bite_line {
 
 /// Another way over one stretch of a curve.
 struct CurveRival {
-  std::size_t first{0};            ///< the curve's state where the way leaves it
-  std::size_t count{0};            ///< so many of its states stand beside the way; all of them: all round
-  std::vector<CurveState> states;  ///< of the way
-  std::vector<Vec2> places;        ///< of these: s, z; s goes on once round
-  double length_mm{0};             ///< of the curve's stretch
-  double above_mm{0};              ///< mean height of the way over that of the stretch
-  double excess{0};                ///< so much more the way costs than the stretch
-  bool seen{false};                ///< the surface is, under most of the way and of the stretch
+  std::size_t first{0};              ///< the curve's state where the way leaves it
+  std::size_t count{0};              ///< so many of its states stand beside the way; all of them: all round
+  std::vector<CurveState> states{};  ///< of the way
+  std::vector<Vec2> places{};        ///< of these: s, z; s goes on once round
+  double length_mm{0};               ///< of the curve's stretch
+  double above_mm{0};                ///< mean height of the way over that of the stretch
+  double excess{0};                  ///< so much more the way costs than the stretch
+  bool seen{false};                  ///< the surface is, under most of the way and of the stretch
   /// How much the upper one of the way and the stretch lies between two surfaces, 0 to 1.
   double two_surfaces{1};
   /// How much that one's looks change along it: the standard deviation of what it costs for each millimetre.
   double uneven{0};
-  /// How line-like the best crease above the stretch is, 0 to 1.
-  double crease_above{0};
+  double own_uneven{0};   ///< the same of the stretch
   double own_per_mm{0};   ///< what the stretch costs, where it was seen
   double rest_per_mm{0};  ///< and what the rest of the curve costs
   /// Log odds of a way all round by what it and the curve are as wholes; 0 where nobody looked.
@@ -47,11 +46,6 @@ struct RivalConfig {
 /// The cheapest way all round above a curve, however much plainer the curve is.
 [[nodiscard]] std::optional<CurveRival> way_above(const CurveGround& ground, const CurveConfig& search,
                                                   const ClosedCurve& curve, const RivalConfig& config);
-
-/// The cheapest curve that leads elsewhere over a rival's stretch.
-[[nodiscard]] std::optional<ClosedCurve> curve_without(const CurveGround& ground, const CurveConfig& search,
-                                                       const ClosedCurve& curve, const CurveRival& rival,
-                                                       const RivalConfig& config);
 
 /// The ways of the cheapest curve when all that lies beside `curve` costs so much more; then of the cheapest
 /// one when what lies beside these ways does, too; and so on until there is no other.  And the way above.

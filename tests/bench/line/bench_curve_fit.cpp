@@ -405,14 +405,15 @@ class CurveFit {
     };
     for (const SearchVerdict& verdict : verdicts) {
       for (const JudgedRival& judged : verdict.rivals) {
-        constexpr double k_most = 0.6;
-        const bool way = judged.rival_right_share > k_most && judged.right_share < 1 - k_most;
-        const bool stretch = judged.right_share > k_most && judged.rival_right_share < 1 - k_most;
-        if (!judged.rival.seen || way == stretch || judged.right_share < 0) continue;
-        if (judged.all_round)
-          round.push_back(row(bite_line::round_signs(judged.rival), way));
-        else
-          part.push_back(row(bite_line::part_signs(judged.rival), way));
+        constexpr double k_most = 0.6, k_shortest_mm = 15;
+        const bool wrong = judged.right_share<1 - k_most, right = judged.right_share> k_most;
+        if (!judged.rival.seen || wrong == right || judged.right_share < 0) continue;
+        const bool other_right = judged.rival_right_share > k_most;
+        if (judged.all_round && other_right == wrong)
+          round.push_back(row(bite_line::round_signs(judged.rival), wrong));
+        // Where neither is the line the stretch is to be doubted, too.
+        if (!judged.all_round && judged.rival.length_mm >= k_shortest_mm)
+          part.push_back(row(bite_line::part_signs(judged.rival), wrong));
       }
     }
     print_fit("round", round, 0.05);
@@ -444,7 +445,7 @@ class CurveFit {
     std::vector<std::vector<Sample>> each(held_.size());
     tbb::parallel_for(std::size_t{0}, held_.size(), [&](std::size_t i) {
       CreaseLooks looks{held_[i].raster};
-      if (alone) static_cast<void>(looks.look_beside({.alone = *alone, .all = {}}));
+      if (alone) looks.look_beside({.alone = *alone, .all = {}});
       std::vector<CreaseSigns> line;
       for (std::size_t k = 0; k < held_[i].truth.size(); ++k)
         if (const std::optional<Passing> at = passing_at(held_[i], looks, k)) {
@@ -490,7 +491,7 @@ class CurveFit {
   void tell_rivals(const std::vector<SearchVerdict>& verdicts) const {
     std::printf(
         "rival,kind,name,leads,length_mm,more_per_mm,right_share,rival_right_share,above_mm,"
-        "two_surfaces,uneven,crease_above,own_per_mm,rest_per_mm,log_odds\n");
+        "two_surfaces,uneven,own_uneven,own_per_mm,rest_per_mm,log_odds\n");
     for (std::size_t i = 0; i < held_.size(); ++i)
       for (const JudgedRival& judged : verdicts[i].rivals)
         std::printf("rival,%s,%s,%s,%.1f,%.3f,%.2f,%.2f,%.1f,%.2f,%.2f,%.2f,%.3f,%.3f,%.2f\n",
@@ -500,7 +501,7 @@ class CurveFit {
                                        : "part",
                     judged.rival.length_mm, judged.more_per_mm, judged.right_share, judged.rival_right_share,
                     judged.rival.above_mm, judged.rival.two_surfaces, judged.rival.uneven,
-                    judged.rival.crease_above, judged.rival.own_per_mm, judged.rival.rest_per_mm,
+                    judged.rival.own_uneven, judged.rival.own_per_mm, judged.rival.rest_per_mm,
                     judged.log_odds);
   }
 

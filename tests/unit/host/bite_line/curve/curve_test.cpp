@@ -243,24 +243,6 @@ TEST(CurveRivals, OneBehindAnotherIsFoundAsWell) {
   }));
 }
 
-TEST(CurveRivals, WithoutAStretchTheCurveTakesTheWayBesideIt) {
-  constexpr int k_first = 80, k_last = 140;
-  const auto on_part = [](int row, int col) {
-    return (row == 50 && col >= k_first && col <= k_last) ||
-           ((col == k_first || col == k_last) && row >= 30 && row <= 50);
-  };
-  const CurveCosts costs = costs_where([&](int row, int col) { return row == 30 || on_part(row, col); });
-  const std::unique_ptr<CurveGround> ground = ground_of(costs);
-  const ClosedCurve best = best_of(costs);
-  CHECK(leads_over(best, 30, 110));
-  const std::vector<CurveRival> rivals = rivals_of(*ground, {}, best, {});
-  CHECK(!rivals.empty());
-  const std::optional<ClosedCurve> other = curve_without(*ground, {}, best, rivals.front(), {});
-  CHECK(other.has_value());
-  CHECK(leads_over(*other, 50, 110));
-  CHECK(leads_over(*other, 30, 20));
-}
-
 TEST(CurveRivals, ACurveByItselfHasNone) {
   const CurveCosts costs = costs_where([](int row, int) { return row == 30; });
   const ClosedCurve best = best_of(costs);
@@ -321,21 +303,22 @@ TEST(CurvePosterior, OfTwoAllRoundTheUpperOneIsTheLineWhereItLiesBetweenTwoSurfa
     return log_odds_of(rival, best, {});
   };
   CHECK_COMPARE(log_odds(8, 0.98, 0.1), >, 3);
-  CHECK_COMPARE(log_odds(8, 0.4, 0.1), <, -1);    // a seam
-  CHECK_COMPARE(log_odds(8, 0.9, 1.3), <, -1.5);  // pieces of overlays
+  CHECK_COMPARE(log_odds(8, 0.4, 0.1), <, -1);  // a seam
+  CHECK_COMPARE(log_odds(8, 0.9, 1.5), <, -1);  // pieces of overlays
   CHECK_COMPARE(log_odds(-8, 0.98, 0.1), <, -3);
 }
 
-TEST(CurvePosterior, AStretchWithACreaseAboveIsDoubtedTheMoreTheFainterTheLineIs) {
+TEST(CurvePosterior, AStretchIsDoubtedThatIsFainterAndLessEvenThanAPlainLine) {
   const ClosedCurve best = best_of(costs_where([](int row, int) { return row == 30; }));
   CurveRival rival{
       .count = 40, .length_mm = 30, .above_mm = 4, .seen = true, .own_per_mm = 0.5, .rest_per_mm = 0.5};
-  const double usual = log_odds_of(rival, best, {});
-  rival.crease_above = 1;
-  const double below_a_crease = log_odds_of(rival, best, {});
-  CHECK_COMPARE(below_a_crease, >, usual + 1.5);
+  const double faint = log_odds_of(rival, best, {});
+  rival.own_uneven = 0.8;
+  CHECK_COMPARE(log_odds_of(rival, best, {}), >, faint + 1);
+  rival.own_uneven = 0;
   rival.own_per_mm = 0.03;
-  CHECK_COMPARE(log_odds_of(rival, best, {}), <, below_a_crease - 2);
+  CHECK_COMPARE(log_odds_of(rival, best, {}), <, faint - 2);
+  CHECK_COMPARE(log_odds_of(rival, best, {}), <, -4);
 }
 
 TEST(CurvePosterior, OneFlankOfAGuardIsNoRivalOfTheOther) {
