@@ -107,6 +107,9 @@ Result<int> AravisClient::read_all_features() {
 
 Result<void> AravisClient::start(int buffers) {
   GError* error = nullptr;
+  // As root, Aravis would read all that its interface carries until its filter is set: the packets of others.
+  arv_gv_device_set_stream_options(ARV_GV_DEVICE(state_->device()),
+                                   ARV_GV_STREAM_OPTION_PACKET_SOCKET_DISABLED);
   const guint payload = arv_camera_get_payload(state_->camera, &error);
   BITELINE_TRY(checked(error, "PayloadSize"));
   state_->stream = arv_camera_create_stream(state_->camera, nullptr, nullptr, &error);
