@@ -83,19 +83,6 @@ HWY_INLINE void for_lanes(std::size_t size, Work&& work) {
   }
 }
 
-void most_of_sums_lanes(std::span<float> to, std::span<const Tap> taps, std::size_t together) {
-  for_lanes(to.size(), [&](auto d, std::size_t i) {
-    auto most = hn::Zero(d);
-    for (std::size_t first = 0; first < taps.size(); first += together) {
-      auto sum = hn::Zero(d);
-      for (const Tap& tap : taps.subspan(first, together))
-        sum = hn::MulAdd(hn::Set(d, tap.weight), hn::LoadU(d, tap.from + i), sum);
-      most = hn::Max(most, sum);
-    }
-    hn::StoreU(most, d, to.data() + i);
-  });
-}
-
 template <class D, class M>
 HWY_INLINE void store_flags(D, M flags, std::uint8_t* to) {
   const hn::Rebind<std::int32_t, D> whole;
@@ -270,7 +257,6 @@ HWY_EXPORT(curvatures_lanes);
 HWY_EXPORT(fit_lines_lanes);
 HWY_EXPORT(fit_rows_lanes);
 HWY_EXPORT(land_all);
-HWY_EXPORT(most_of_sums_lanes);
 HWY_EXPORT(slope_angles_lanes);
 HWY_EXPORT(step_column_lanes);
 HWY_EXPORT(sum_taps_lanes);
@@ -285,9 +271,6 @@ std::vector<float> gaussian(double sigma_steps, double sigmas) {
 
 void sum_taps(std::span<float> to, std::span<const Tap> taps) {
   HWY_DYNAMIC_DISPATCH(sum_taps_lanes)(to, taps);
-}
-void most_of_sums(std::span<float> to, std::span<const Tap> taps, std::size_t together) {
-  HWY_DYNAMIC_DISPATCH(most_of_sums_lanes)(to, taps, together);
 }
 void convolve(std::span<float> to, const float* from, std::span<const float> kernel) {
   HWY_DYNAMIC_DISPATCH(convolve_lanes)(to, from, kernel);

@@ -26,9 +26,6 @@ void sum_taps(std::span<float> to, std::span<const Tap> taps);
 /// The same for a kernel that slides along one row: to[i] = sum over j of kernel[j] * from[i + j].
 void convolve(std::span<float> to, const float* from, std::span<const float> kernel);
 
-/// to[i] = the largest of several such sums, of `together` taps each, and of 0.
-void most_of_sums(std::span<float> to, std::span<const Tap> taps, std::size_t together);
-
 /// Sums over weighted points: weight, place x, x^2, value, x value.
 struct LineSums {
   const float *w, *x, *xx, *value, *x_value;

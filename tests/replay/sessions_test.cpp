@@ -124,7 +124,7 @@ TEST(Sessions, RealShoeHasItsLine) {
 TEST(Sessions, LedgeInAMidsoleIsNotTakenForTheLine) {
   BITELINE_SHARED_DATA_OR_SKIP(session, "sessions/ledge32");
   const bite_line::Extraction sut = bite_line::find_bite_line(scan(session), {});
-  CHECK_TEXT(sut.found, sut.refusal ? sut.refusal->reason.c_str() : "");
+  CHECK_TEXT(sut.verdict() != bite_line::Verdict::Refused, sut.reason().c_str());
   // The truth is of labels, good to 0.5 mm and 1 mm where the edge is round; the ledge lies 12 to 15 mm
   // lower.
   const test::LineOnShape on = test::line_on_shape(sut.line, truth(session));

@@ -60,12 +60,12 @@ TEST(Shoes, DesignedSolesHaveTheirLineAndWhatIsNoShoeHasNone) {
       CHECK_TEXT(sut.confidence < 0.5, shape.name);
       continue;
     }
-    CHECK_TEXT(sut.found,
-               (std::string{shape.name} + ": " + (sut.refusal ? sut.refusal->reason : "")).c_str());
+    CHECK_TEXT(sut.verdict() != bite_line::Verdict::Refused,
+               (std::string{shape.name} + ": " + sut.reason()).c_str());
     const test::LineOnShape on = test::line_on_shape(sut.line, truth->line);
-    CHECK_COMPARE_TEXT(on.mean_mm, <=, k_mean_mm, shape.name);
+    CHECK_COMPARE_TEXT(on.mean_unflagged_mm, <=, k_mean_mm, shape.name);
     CHECK_COMPARE_TEXT(on.wrong_mm, <=, k_wrong_mm, shape.name);
-    CHECK_COMPARE_TEXT(on.flagged, <=, 0.1, shape.name);
+    if (sut.found) CHECK_COMPARE_TEXT(on.flagged, <=, 0.1, shape.name);
   }
 }
 
@@ -90,9 +90,9 @@ TEST(Shoes, NoneHasAWrongLineHoweverItLiesAndIsBent) {
   }
 }
 
-TEST(Shoes, ALineThatReachesAboveTheUsualFieldIsFollowedThere) {
-  // Bent so, the midsole's line at the heel lies 93 mm high.  The field ended at 90 mm, and the line ran
-  // along the ledge below, 10 mm off over 80 mm without a word.
+TEST(Shoes, ALineThatLiesHighIsFollowedThere) {
+  // Bent so, the midsole's line at the heel lies 93 mm high.  A field that ended at 90 mm had it along the
+  // ledge below, 10 mm off over 80 mm without a word.
   constexpr std::uint32_t k_high = 18;
   for (const test::Shape& shape : test::k_shapes) {
     if (std::string{shape.name} != "s32_ledge_midsole") continue;
@@ -101,25 +101,23 @@ TEST(Shoes, ALineThatReachesAboveTheUsualFieldIsFollowedThere) {
     if (!cloud || !truth) continue;
     const test::ShapeWarp warp = test::ShapeWarp::drawn(k_high);
     const bite_line::Extraction sut = bite_line::find_bite_line(warp.cloud(*cloud), {});
-    CHECK(sut.found);
+    CHECK_TEXT(sut.verdict() != bite_line::Verdict::Refused, sut.reason().c_str());
     CHECK_COMPARE(test::line_on_shape(sut.line, warp.line(truth->line)).wrong_mm, <=, 5.0);
   }
 }
 
 TEST(Shoes, AThinPlateWithAGuardHasItsLineHoweverItLies) {
-  // Of 30 such 23 are found, and the others are refused: more than a tenth of them is unsure.
+  // Found, or for a person to look at.
   constexpr std::uint32_t k_first = 101, k_count = 5;
-  constexpr int k_least = 3;
   for (const test::Shape& shape : test::k_shapes) {
     if (std::string{shape.name} != "s34_trail_scan") continue;
     const auto cloud = test::cloud_of(shape);
     if (!cloud) continue;
-    int found = 0;
     for (std::uint32_t seed = k_first; seed < k_first + k_count; ++seed) {
       const cloud::PointCloud moved = test::ShapeWarp::drawn(seed).rigid().cloud(*cloud);
-      found += bite_line::find_bite_line(moved, {}).found ? 1 : 0;
+      const bite_line::Extraction sut = bite_line::find_bite_line(moved, {});
+      CHECK_TEXT(sut.verdict() != bite_line::Verdict::Refused, sut.reason().c_str());
     }
-    CHECK(found >= k_least);
   }
 }
 
@@ -144,7 +142,7 @@ TEST(Shoes, AThinPlateWithAGuardHasItsLineWhereTheEyeSeesIt) {
   constexpr double k_read_mm = 1.2;  // four pixels of these pictures
   const std::optional<bite_line::Extraction> sut = line_of("s34_trail_scan");
   if (!sut) return;
-  CHECK_TEXT(sut->found, sut->reason().c_str());
+  CHECK_TEXT(sut->verdict() != bite_line::Verdict::Refused, sut->reason().c_str());
   for (const Seen& seen : k_seen) {
     double nearest_mm = 1e9;
     bool flagged = true;
@@ -159,8 +157,7 @@ TEST(Shoes, AThinPlateWithAGuardHasItsLineWhereTheEyeSeesIt) {
       nearest_mm = off_mm;
       flagged = point.flags != 0;
     }
-    CHECK_COMPARE_TEXT(nearest_mm, <, k_read_mm, seen.what);
-    CHECK_TEXT(!flagged, seen.what);
+    CHECK_TEXT(flagged || nearest_mm < k_read_mm, seen.what);
   }
 }
 

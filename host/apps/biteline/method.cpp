@@ -3,19 +3,15 @@
 
 #include <map>
 
-#include "host/bite_line/curve/find_by_curve.hpp"
 #include "host/bite_line/find_bite_line.hpp"
 #include "host/bite_line/published/published_line.hpp"
 
 namespace biteline::app {
 
 void add_method_option(options::Command& command, Method& method) {
-  const std::map<std::string, Method> methods{
-      {"default", Method::Default}, {"curve", Method::Curve}, {"published", Method::Published}};
-  command
-      .add_choice("--method", method, methods,
-                  "default, the closed curve that is to follow it, or the published one, for comparison")
-      ->type_name("default|curve|published");
+  const std::map<std::string, Method> methods{{"default", Method::Default}, {"published", Method::Published}};
+  command.add_choice("--method", method, methods, "default, or the published one, for comparison")
+      ->type_name("default|published");
 }
 
 FoundLine find_line(const cloud::PointCloud& cloud, Method method) {
@@ -25,9 +21,7 @@ FoundLine find_line(const cloud::PointCloud& cloud, Method method) {
     return {std::move(extraction), results::stages_of(std::move(workings))};
   }
   std::optional<bite_line::Workings> workings;
-  bite_line::Extraction extraction = method == Method::Curve
-                                         ? bite_line::find_by_curve(cloud, {}, &workings)
-                                         : bite_line::find_bite_line(cloud, {}, &workings);
+  bite_line::Extraction extraction = bite_line::find_bite_line(cloud, {}, &workings);
   return {std::move(extraction), results::stages_of(std::move(workings))};
 }
 

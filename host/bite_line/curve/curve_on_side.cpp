@@ -7,7 +7,7 @@
 
 #include "host/bite_line/curve/curve_ground.hpp"
 #include "host/bite_line/curve/curve_rivals.hpp"
-#include "host/bite_line/layers/material.hpp"
+#include "host/bite_line/curve/material.hpp"
 #include "host/bite_line/path/decide.hpp"
 
 namespace biteline::bite_line {
@@ -49,7 +49,7 @@ class Wholes {
   }
   [[nodiscard]] double log_sure(std::span<const CurveState> states, std::span<const int> rows) const {
     constexpr double k_least = 1e-5;  // what a gate refuses is hardly a line
-    Crease crease = describe(side_.field, {}, on_crest(side_.field, rows, Raster::k_cell_mm), {});
+    Crease crease = describe(side_.field, on_crest(side_.field, rows, Raster::k_cell_mm), {});
     crease.evidence = evidence_along(ground_, states);
     return std::log(std::max(sure_alone(crease), k_least));
   }

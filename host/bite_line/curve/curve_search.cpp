@@ -14,7 +14,6 @@ namespace biteline::bite_line {
 
 namespace {
 
-constexpr int k_most_turn = 2;
 // Of a state: its turn, two more than it is; that it has none before it; that it was looked at.
 constexpr std::uint8_t k_turn = 7, k_begins = 7, k_done = 8;
 constexpr float k_out_of_reach = std::numeric_limits<float>::max();
@@ -62,14 +61,6 @@ double length_mm(std::size_t direction) {
   return Raster::k_cell_mm * k_cell_steps[direction].length();
 }
 
-float bend_cost(std::size_t direction, int turn, double bend_mm) {
-  const auto angle = [](std::size_t k) { return std::atan2(k_cell_steps[k].rows, k_cell_steps[k].cols); };
-  const std::size_t next = turned(direction, turn);
-  if (next >= k_directions) return 0;
-  const double by_rad = std::remainder(angle(next) - angle(direction), 2 * std::numbers::pi);
-  return static_cast<float>(bend_mm * by_rad * by_rad / (0.5 * (length_mm(direction) + length_mm(next))));
-}
-
 /// Per column, what its cheapest place costs, and how much the next best one far from that costs more.
 struct ColumnBest {
   float least;
@@ -113,6 +104,14 @@ int surest_col(std::span<const ColumnBest> best) {
 }
 
 }  // namespace
+
+float bend_cost(std::size_t direction, int turn, double bend_mm) {
+  const auto angle = [](std::size_t k) { return std::atan2(k_cell_steps[k].rows, k_cell_steps[k].cols); };
+  const std::size_t next = turned(direction, turn);
+  if (next >= k_directions) return 0;
+  const double by_rad = std::remainder(angle(next) - angle(direction), 2 * std::numbers::pi);
+  return static_cast<float>(bend_mm * by_rad * by_rad / (0.5 * (length_mm(direction) + length_mm(next))));
+}
 
 double length_of(std::span<const CurveState> states) {
   double sum_mm = 0;

@@ -33,6 +33,11 @@ struct CurveConfig {
   double apart_mm{2.5};
 };
 
+/// From a state to the next one a curve turns by so many directions at most.
+inline constexpr int k_most_turn = 2;
+/// Of a bend from `direction` by `turn` directions; 0 where that leads back.
+[[nodiscard]] float bend_cost(std::size_t direction, int turn, double bend_mm);
+
 /// Of states one after the other, each a step from the one before: their length (mm), and what it costs.
 [[nodiscard]] double length_of(std::span<const CurveState> states);
 [[nodiscard]] double energy_of(std::span<const CurveState> states, const CurveCosts& costs,

@@ -7,8 +7,6 @@
 #include <utility>
 
 #include "common/core/fixed_text.hpp"
-#include "host/bite_line/layers/course.hpp"
-#include "host/bite_line/mend/led_course.hpp"
 #include "host/geometry/closed_curve.hpp"
 
 namespace biteline::mend {
@@ -122,62 +120,61 @@ class Mending {
   OrRefusal<void> lead_through(const Step& step) {
     const OrRefusal<Ends> ends = ends_of(step.stretch);
     if (!ends) return tl::unexpected<Refusal>(ends.error());
-    const bite_line::SideGrid& grid = surface_.grid();
-    std::vector<int> rows = surface_.rows_of(line_);
-    const auto col_of = [&](const Vec3& point) -> std::optional<int> {
-      const std::optional<GridPlace> at = surface_.locate(point);
-      if (!at) return std::nullopt;
-      return (static_cast<int>(std::lround(at->col)) + grid.cols) % grid.cols;
-    };
-    const std::optional<int> first = col_of(line_.points[ends->first].position);
-    const std::optional<int> last = col_of(line_.points[ends->last].position);
-    if (!first || !last) return refuse(Refused::HintOffSide, "A or B lies nowhere on the shoe's side");
-    const int cols = (*last - *first + grid.cols) % grid.cols + 1;
-    std::vector<Lead> leads;
-    for (const Vec3& point : step.points) {
-      const OrRefusal<Lead> lead = lead_at(point, *first, cols);
-      if (!lead) return tl::unexpected<Refusal>(lead.error());
-      leads.push_back(*lead);
+    const OrRefusal<std::vector<bite_line::CurveLead>> leads = leads_of(*ends, step.points);
+    if (!leads) return tl::unexpected<Refusal>(leads.error());
+    const std::optional<std::vector<Vec2>> led = surface_.lead(bite_line::in_order(*leads));
+    if (!led) {
+      return refuse(Refused::NoCourse,
+                    Text::format("no way from %.1f to %.1f mm leads through the %zu points",
+                                 step.stretch.from_mm, step.stretch.to_mm, step.points.size())
+                        .c_str());
     }
-    std::vector<float> cost;
-    for (int k = 0; k < cols; ++k) {
-      const auto column =
-          surface_.cost().subspan(grid.at(0, (*first + k) % grid.cols), static_cast<std::size_t>(grid.rows));
-      cost.insert(cost.end(), column.begin(), column.end());
-    }
-    const std::optional<std::vector<int>> course =
-        led_course(cost, grid.rows, rows[static_cast<std::size_t>(*first)],
-                   rows[static_cast<std::size_t>(*last)], leads, bite_line::CourseConfig{}.path);
-    if (!course) {
-      return refuse(
-          Refused::NoCourse,
-          Text::format("no course from %.1f to %.1f mm leads through the %zu points: it would climb by "
-                       "more than %.1f mm for each mm",
-                       step.stretch.from_mm, step.stretch.to_mm, step.points.size(),
-                       bite_line::CourseConfig{}.path.max_step_rows * grid.row_mm / grid.col_mm)
-              .c_str());
-    }
-    for (int k = 0; k < cols; ++k)
-      rows[static_cast<std::size_t>((*first + k) % grid.cols)] = (*course)[static_cast<std::size_t>(k)];
-    line_ = splice(line_, *ends,
-                   led_stretch(surface_.place(rows, 1.0), line_, *ends, {.hints = step.points}, snaps_));
+    const OrRefusal<ClosedLine> placed = surface_.place_along(guide_with(*led, *ends));
+    if (!placed) return tl::unexpected<Refusal>(placed.error());
+    line_ = splice(line_, *ends, led_stretch(*placed, line_, *ends, {.hints = step.points}, snaps_));
     return {};
   }
 
-  OrRefusal<Lead> lead_at(const Vec3& point, int first_col, int cols) const {
+  /// A, what lies between, and B; s goes on from A.
+  OrRefusal<std::vector<bite_line::CurveLead>> leads_of(const Ends& ends,
+                                                        std::span<const Vec3> points) const {
+    constexpr double k_end_mm = 0.8;    // a cell
     constexpr double k_reach_mm = 1.0;  // a hand's; within it the crease decides
-    const bite_line::SideGrid& grid = surface_.grid();
-    const auto told = [&](const char* what) {
-      return Text::format("the point %.1f, %.1f, %.1f %s", point.x(), point.y(), point.z(), what);
+    const std::optional<Vec2> first = surface_.locate(line_.points[ends.first].position);
+    const std::optional<Vec2> last = surface_.locate(line_.points[ends.last].position);
+    if (!first || !last) return refuse(Refused::HintOffSide, "A or B lies nowhere on the shoe's side");
+    const auto beyond_first = [&](Vec2 place) {
+      while (place.x() < first->x()) place.x() += surface_.turn_mm();
+      return place;
     };
-    const std::optional<GridPlace> at = surface_.locate(point);
-    if (!at) return refuse(Refused::HintOffSide, told("lies nowhere on the shoe's side").c_str());
-    const int col = (static_cast<int>(std::lround(at->col)) - first_col + 2 * grid.cols) % grid.cols;
-    if (col < 1 || col + 1 >= cols)
-      return refuse(Refused::HintOutside, told("lies not between A and B").c_str());
-    return Lead{.col = col,
-                .row = static_cast<int>(std::lround(at->row)),
-                .reach_rows = static_cast<int>(std::lround(k_reach_mm / grid.row_mm))};
+    const Vec2 end = beyond_first(*last);
+    std::vector<bite_line::CurveLead> leads{{.place = *first, .reach_mm = k_end_mm}};
+    for (const Vec3& point : points) {
+      const auto told = [&](const char* what) {
+        return Text::format("the point %.1f, %.1f, %.1f %s", point.x(), point.y(), point.z(), what);
+      };
+      const std::optional<Vec2> at = surface_.locate(point);
+      if (!at) return refuse(Refused::HintOffSide, told("lies nowhere on the shoe's side").c_str());
+      const Vec2 place = beyond_first(*at);
+      if (place.x() >= end.x()) return refuse(Refused::HintOutside, told("lies not between A and B").c_str());
+      leads.push_back({.place = place, .reach_mm = k_reach_mm});
+    }
+    leads.push_back({.place = end, .reach_mm = k_end_mm});
+    return leads;
+  }
+
+  /// The line's own places from B on to A, and then those that were led, up to B again.
+  std::vector<Vec2> guide_with(std::span<const Vec2> led, const Ends& ends) const {
+    const double turn_mm = surface_.turn_mm();
+    std::vector<Vec2> guide;
+    const auto put = [&](Vec2 place) {
+      if (!guide.empty()) place.x() -= turn_mm * std::round((place.x() - guide.back().x()) / turn_mm);
+      guide.push_back(place);
+    };
+    for (const LinePoint& point : between(line_, {.first = ends.last, .last = ends.first}))
+      if (const std::optional<Vec2> at = surface_.locate(point.position)) put(*at);
+    for (const Vec2& place : led.subspan(1, led.size() - 2)) put(place);
+    return guide;
   }
 
   OrRefusal<void> cut(const Step& step) {

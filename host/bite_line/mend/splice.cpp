@@ -234,11 +234,7 @@ ClosedLine splice(const ClosedLine& line, Ends ends, std::span<const LinePoint> 
     put();
   }
   bite_line::add_tangents(out);
-  for (LinePoint& point : out.points) {
-    if (point.source != PointSource::Mended) continue;
-    const Vec3 across = point.normal - point.normal.dot(point.tangent) * point.tangent;
-    if (across.norm() > 1e-6) point.normal = across.normalized();
-  }
+  bite_line::turn_normals_across(out);
   return out;
 }
 

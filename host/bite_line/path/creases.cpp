@@ -160,8 +160,7 @@ std::vector<int> on_crest(const SideField& field, std::span<const int> path, dou
   return crest;
 }
 
-Crease describe(const SideField& field, std::span<const float> likeness, std::span<const int> path,
-                const CreaseConfig& config) {
+Crease describe(const SideField& field, std::span<const int> path, const CreaseConfig& config) {
   const SideGrid& grid = field.grid;
   Crease crease;
   const auto cols = static_cast<std::size_t>(grid.cols);
@@ -179,7 +178,6 @@ Crease describe(const SideField& field, std::span<const float> likeness, std::sp
     const int row = path[col];
     const std::size_t cell = grid.at(row, c);
     crease.mean_height_mm += grid.z_mm(row) / grid.cols;
-    if (!likeness.empty()) crease.evidence += static_cast<double>(likeness[cell]) / grid.cols;
     if (field.seen[cell] == 0) continue;
     ++seen;
     if (wall_above(field, row, c, config.upper_mm)) crease.upper_share += 1;
@@ -202,9 +200,6 @@ Crease describe(const SideField& field, std::span<const float> likeness, std::sp
   crease.seen_share = static_cast<double>(seen) / grid.cols;
   crease.visible_share = visible / grid.cols;
   crease.median_turn_rad = median(std::move(turns));
-  const auto stepped =
-      static_cast<double>(std::count_if(steps.begin(), steps.end(), [](double step) { return step > 0.15; }));
-  crease.step_share = steps.empty() ? 0 : stepped / static_cast<double>(steps.size());
   crease.median_step_mm = median(std::move(steps));
   crease.flanks_seen = static_cast<double>(flank_turns.size()) > visible / 3;
   crease.flank_turn_rad = median(std::move(flank_turns));

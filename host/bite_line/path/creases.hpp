@@ -28,7 +28,6 @@ struct Crease {
   bool flanks_seen{false};  ///< on at least a third of the visible columns
   double flank_turn_rad{0};
   double flank_step_mm{0};
-  double step_share{0};   ///< share of the visible columns with such a step
   double upper_share{0};  ///< share of the seen columns above which a wall goes on
   double sole_share{0};   ///< share of the seen columns below which there is something of a sole
   double mean_height_mm{0};
@@ -48,8 +47,7 @@ struct CreaseConfig {
 /// The rows near a path, within `reach_mm`, where the field turns most.
 [[nodiscard]] std::vector<int> on_crest(const SideField& field, std::span<const int> path, double reach_mm);
 
-/// What the surface does along a closed path, one row per column.  Without `likeness` evidence is left at 0.
-[[nodiscard]] Crease describe(const SideField& field, std::span<const float> likeness,
-                              std::span<const int> path, const CreaseConfig& config);
+/// What the surface does along a closed path, one row per column; evidence is left at 0.
+[[nodiscard]] Crease describe(const SideField& field, std::span<const int> path, const CreaseConfig& config);
 
 }  // namespace biteline::bite_line

@@ -65,12 +65,9 @@ double between_two_deg(const Crease& crease) {
 }
 
 /// That the crease is cut into the sole: the bite line is the highest crease between two surfaces, and
-/// another one that is plain to see goes round above, however strong a ledge below may be.  What lies on an
-/// upper counts less: the edges of overlays and collars of shapes of public origin cost 0.50 and more per
-/// column beyond the line, the edges of made soles that stand out by a tenth of a ledge 0.37 and less.  And a
-/// sole goes on above a ledge by some 20 mm at most; a collar lies higher.
+/// another one that is plain to see goes round above, however strong a ledge below may be.  A sole goes on
+/// above a ledge by some 20 mm at most; a collar lies higher.
 double cut_into_sole(const Layers& layers) {
-  constexpr double k_least_margin = 0.43;
   constexpr double k_thickest_mm = 30.0;
   double most = 0;
   for (const Rival& rival : layers.rivals) {
@@ -79,8 +76,7 @@ double cut_into_sole(const Layers& layers) {
     if (above.mean_height_mm > layers.line.mean_height_mm + k_thickest_mm) continue;
     const double plain = std::max(sure(above.visible_share, 0.5, 0.03),
                                   sure(above.median_turn_rad / k_deg, k_least_turn_deg, 0.8));
-    most = std::max(most, plain * sure(between_two_deg(above), 0.0, 0.8) *
-                              (1 - sure(rival.margin, k_least_margin, 0.02)));
+    most = std::max(most, plain * sure(between_two_deg(above), 0.0, 0.8));
   }
   return most;
 }
@@ -93,15 +89,6 @@ double share_below_half(const std::vector<float>& hold) {
 
 /// What takes most of the line's length, for the sentence.
 Sentence rivalled_text(const Layers& layers, double share) {
-  if (!layers.others.empty()) {
-    const auto cols = static_cast<double>(layers.hold.size());
-    const OtherCrease& other = *std::ranges::max_element(layers.others, {}, &OtherCrease::cols);
-    if (other.cols / cols > k_most_rivalled_share) {
-      return Sentence::format(
-          "the line changes from one crease to another, %.1f mm off, and keeps it over %.0f %% of its length",
-          other.off_mm, 100 * other.cols / cols);
-    }
-  }
   const Rival* longest = nullptr;
   for (const Rival& rival : layers.rivals) {
     if (longest == nullptr || rival.cols > longest->cols) longest = &rival;

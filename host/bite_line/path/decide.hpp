@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "host/bite_line/layers/layers.hpp"
+#include "host/bite_line/path/layers.hpp"
 #include "host/bite_line/refused.hpp"
 #include "host/bite_line/shoe/plan_shape.hpp"
 #include "host/bite_line/side/seam_step.hpp"

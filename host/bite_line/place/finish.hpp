@@ -28,5 +28,8 @@ namespace biteline::bite_line {
 
 /// Central differences of the closed line's positions, over a millimetre and a half to either side.
 void add_tangents(cloud::ClosedLine& line);
+/// Normals lean along the line, over 3 mm to either side, by 15 degrees at most: at the edge of a strip the
+/// surface turns, and a tool would turn with it.
+void turn_normals_across(cloud::ClosedLine& line);
 
 }  // namespace biteline::bite_line

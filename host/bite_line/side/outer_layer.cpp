@@ -30,31 +30,6 @@ constexpr double k_row_points = 3.0;
 constexpr float k_layer_o_mm = 0.75F;
 constexpr int k_layer_bins = 80;
 
-/// Of a column whose edges climb.
-struct Level {
-  float climb;
-  float middle_mm;
-  /// Height at the column's middle of the edge that runs through a place of it.
-  [[nodiscard]] float mm(const OutlinePlace& place) const {
-    return place.z_mm - climb * (place.s_mm - middle_mm);
-  }
-};
-
-/// Columns of one length, with the climb of the surface's edges in each.
-struct Columns {
-  float width_mm;
-  std::vector<float> climb;
-
-  Columns(const OuterLayerConfig& config, std::size_t count)
-      : width_mm{static_cast<float>(config.length_mm / static_cast<double>(count))}, climb(count, 0.0F) {
-    for (std::size_t col = 0; col < count && !config.climb.empty(); ++col)
-      climb[col] = config.climb[(2 * col + 1) * config.climb.size() / (2 * count)];
-  }
-  [[nodiscard]] Level level_of(std::size_t col) const {
-    return {.climb = climb[col], .middle_mm = (static_cast<float>(col) + 0.5F) * width_mm};
-  }
-};
-
 /// Rows of one height.
 struct Raster {
   std::size_t rows;
@@ -65,20 +40,18 @@ struct Raster {
       : rows{static_cast<std::size_t>(config.height_mm / height_mm) + 1},
         z_low_mm{static_cast<float>(config.z_low_mm)},
         per_row{static_cast<float>(1 / height_mm)} {}
-  /// Of a place whose edge has this level; rows: the place itself lies outside.
-  [[nodiscard]] std::size_t row_of(float z_mm, float level_mm) const {
-    if (z_mm < z_low_mm || (z_mm - z_low_mm) * per_row >= static_cast<float>(rows)) return rows;
-    return std::min<std::size_t>(rows - 1,
-                                 static_cast<std::uint32_t>(std::max(level_mm - z_low_mm, 0.0F) * per_row));
+  /// `rows`: the place lies outside.
+  [[nodiscard]] std::size_t row_of(float z_mm) const {
+    const float row = (z_mm - z_low_mm) * per_row;
+    return row < 0 || row >= static_cast<float>(rows) ? rows : static_cast<std::uint32_t>(row);
   }
 };
 
 /// What one column keeps.  Its memory serves one column after the other.
 class ColumnSieve {
  public:
-  ColumnSieve(const Columns& columns, const Raster& coarse, const Raster& thin, int gap_bins, float depth_mm)
-      : columns_{columns},
-        coarse_{coarse},
+  ColumnSieve(const Raster& coarse, const Raster& thin, int gap_bins, float depth_mm)
+      : coarse_{coarse},
         thin_{thin},
         gap_bins_{gap_bins},
         depth_mm_{depth_mm},
@@ -87,9 +60,9 @@ class ColumnSieve {
 
   /// Drops what lies behind the outermost layer, then what is deeper than the outermost o of the fine rows
   /// about it, which leave out a twentieth of their points as strays.
-  void keep_outer_layer(std::size_t col, std::span<const std::uint32_t> column, const Raster& fine,
+  void keep_outer_layer(std::span<const std::uint32_t> column, const Raster& fine,
                         std::span<OutlinePlace> places) {
-    read(col, column, places);
+    read(column, places);
     find_layers();
     keep_layers(fine, places);
     drop_behind_envelope(places);
@@ -102,7 +75,6 @@ class ColumnSieve {
     std::uint32_t bin;  ///< of o
     float o_mm;
     float z_mm;
-    float level_mm;
   };
   /// Of a coarse cell.
   struct Layer {
@@ -117,24 +89,22 @@ class ColumnSieve {
     [[nodiscard]] float top() const { return points >= k_many ? second : first; }
   };
 
-  void read(std::size_t col, std::span<const std::uint32_t> column, std::span<OutlinePlace> places) {
+  void read(std::span<const std::uint32_t> column, std::span<OutlinePlace> places) {
     std::fill(counts_.begin(), counts_.end(), std::uint8_t{0});
     points_.resize(column.size());
     // Copies, since what is written below could otherwise be these.
-    const Level level = columns_.level_of(col);
     const Raster coarse = coarse_;
     std::uint8_t* const counts = counts_.data();
     Point* next = points_.data();
     for (const std::uint32_t i : column) {
       OutlinePlace& place = places[i];
-      const float level_mm = level.mm(place);
-      const std::size_t row = coarse.row_of(place.z_mm, level_mm);
+      const std::size_t row = coarse.row_of(place.z_mm);
       if (row == coarse.rows) {
         place.s_mm = -1.0F;
         continue;
       }
       const std::uint32_t bin = bin_of(place.o_mm);
-      *next++ = {i, static_cast<std::uint32_t>(row), bin, place.o_mm, place.z_mm, level_mm};
+      *next++ = {i, static_cast<std::uint32_t>(row), bin, place.o_mm, place.z_mm};
       std::uint8_t& count = counts[row * k_layer_bins + bin];
       if (count < k_full) ++count;
     }
@@ -155,13 +125,13 @@ class ColumnSieve {
     const Raster thin = thin_;
     Point* next = points_.data();
     for (const Point& point : points_) {
-      const std::size_t at = fine.row_of(point.z_mm, point.level_mm);
+      const std::size_t at = fine.row_of(point.z_mm);
       if (at == fine.rows || point.o_mm < layers_[point.row].innermost_mm || stray(point)) {
         places[point.index].s_mm = -1.0F;
         continue;
       }
       const float o_mm = point.o_mm;
-      float& top_mm = own_top_mm_[thin.row_of(point.z_mm, point.level_mm)];
+      float& top_mm = own_top_mm_[thin.row_of(point.z_mm)];
       top_mm = std::max(top_mm, o_mm);
       Outermost& row = outermost_[at];
       ++row.points;
@@ -186,7 +156,7 @@ class ColumnSieve {
     for (const Point& point : points_) {
       if (point.o_mm >= floor_[point.row]) continue;
       float& s_mm = places[point.index].s_mm;
-      const float own_top_mm = own_top_mm_[thin_.row_of(point.z_mm, point.level_mm)];
+      const float own_top_mm = own_top_mm_[thin_.row_of(point.z_mm)];
       const bool hollow =
           point.o_mm >= floor_[point.row] - k_hollow_mm && point.o_mm >= own_top_mm - depth_mm_;
       s_mm = hollow ? -2 - s_mm : -1.0F;
@@ -235,7 +205,6 @@ class ColumnSieve {
   static constexpr std::uint8_t k_full = 255;  // nothing here asks for more
   static constexpr float k_nothing = -1.0e6F;
   static constexpr std::uint32_t k_many = 20;
-  const Columns& columns_;
   const Raster& coarse_;
   const Raster& thin_;
   int gap_bins_;
@@ -250,13 +219,12 @@ class ColumnSieve {
 
 /// Hardly a row of the column is empty between two that are not: profiles lie apart, and are dense along
 /// themselves.
-bool dense_in_height(std::size_t col, std::span<const std::uint32_t> column, const Columns& columns,
-                     std::span<const OutlinePlace> places, const Raster& raster) {
+bool dense_in_height(std::span<const std::uint32_t> column, std::span<const OutlinePlace> places,
+                     const Raster& raster) {
   constexpr std::size_t k_most_holes_of = 50;
   std::vector<std::uint8_t> points(raster.rows, 0);
-  const Level level = columns.level_of(col);
   for (const std::uint32_t i : column) {
-    const std::size_t row = raster.row_of(places[i].z_mm, level.mm(places[i]));
+    const std::size_t row = raster.row_of(places[i].z_mm);
     if (row < raster.rows) points[row] = 1;
   }
   std::size_t holes = 0;
@@ -285,7 +253,6 @@ Buckets keep_outer_layer(std::span<OutlinePlace> places, const OuterLayerConfig&
                     const float s_mm = places[i].s_mm;
                     return s_mm < 0 ? -1 : std::min(cols - 1, static_cast<int>(s_mm * per_s));
                   }};
-  const Columns columns{config, buckets.size()};
   const Raster coarse{config, k_layer_z_mm * grow};
   const Raster fine{config, k_fine_z_mm};
   const Raster higher{config, k_fine_z_mm * grow};
@@ -295,10 +262,10 @@ Buckets keep_outer_layer(std::span<OutlinePlace> places, const OuterLayerConfig&
       std::max(1, static_cast<int>(std::lround(config.gap_mm / static_cast<double>(k_layer_o_mm))));
   const bool high = grow > k_high_rows;
   tbb::parallel_for(tbb::blocked_range<std::size_t>{0, buckets.size(), 8}, [&](const auto& range) {
-    ColumnSieve sieve{columns, coarse, fine, gap_bins, static_cast<float>(config.depth_mm)};
+    ColumnSieve sieve{coarse, fine, gap_bins, static_cast<float>(config.depth_mm)};
     for (std::size_t col = range.begin(); col != range.end(); ++col) {
-      const bool dense = high && dense_in_height(col, buckets[col], columns, places, fine);
-      sieve.keep_outer_layer(col, buckets[col], dense ? fine : high ? lower : higher, places);
+      const bool dense = high && dense_in_height(buckets[col], places, fine);
+      sieve.keep_outer_layer(buckets[col], dense ? fine : high ? lower : higher, places);
     }
   });
   return buckets;

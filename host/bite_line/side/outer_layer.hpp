@@ -27,8 +27,6 @@ struct OuterLayerConfig {
   double gap_mm{1.5};    ///< what lies this far behind the outermost surface is another layer
   double depth_mm{0.6};  ///< below the envelope of its neighbourhood a point is behind the surface: six times
                          ///< a scan's worst noise
-  /// Height over length of the edges of the surface, evenly round the outline; empty: they run level.
-  std::span<const float> climb{};
 };
 
 /// Takes the points behind the outermost layer, and those above the height, out: their s becomes negative.
@@ -36,9 +34,7 @@ struct OuterLayerConfig {
 ///
 /// Twice: a clear gap behind the outermost cluster of a coarse cell separates a lining; then whatever is
 /// deeper than the outermost points at its own height and at those just above and below lies behind the
-/// surface (an insole at the height of the bite line has no gap).  Heights count along the edges: where a
-/// sole climbs, its edge reaches the height of the crease beside it within one cell, and is not in front of
-/// that.
+/// surface (an insole at the height of the bite line has no gap).
 ///
 /// Returns the points that had a place, by column of at least 2 mm along the outline.
 Buckets keep_outer_layer(std::span<OutlinePlace> places, const OuterLayerConfig& config);

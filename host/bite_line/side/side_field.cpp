@@ -9,7 +9,6 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
-#include "common/core/contracts.hpp"
 #include "host/bite_line/lanes.hpp"
 #include "host/bite_line/side/outer_layer.hpp"
 
@@ -96,33 +95,10 @@ void turn_of_column(std::span<const float> o, const std::uint8_t* seen, double r
     turn[r] = (seen[r - reach] & seen[r] & seen[r + reach]) != 0 ? angle[r] - angle[r - reach] : 0.0F;
 }
 
-/// How the creases climb, in whole rows.
-class Climb {
- public:
-  Climb(std::span<const float> climb, const SideGrid& grid)
-      : climb_{climb}, rows_per_col_{grid.col_mm / grid.row_mm} {}
-  /// From a column to the one `away` columns on.
-  [[nodiscard]] std::ptrdiff_t rows(std::size_t col, std::ptrdiff_t away) const {
-    return climb_.empty()
-               ? 0
-               : std::lround(static_cast<double>(climb_[col]) * static_cast<double>(away) * rows_per_col_);
-  }
-  [[nodiscard]] std::size_t most_rows(std::size_t away) const {
-    std::ptrdiff_t most = 0;
-    for (std::size_t col = 0; col < climb_.size(); ++col)
-      most = std::max(most, std::abs(rows(col, static_cast<std::ptrdiff_t>(away))));
-    return static_cast<std::size_t>(most);
-  }
-
- private:
-  std::span<const float> climb_;
-  double rows_per_col_;
-};
-
-/// o(s, z) by Gaussian weights along the creases (`along`) and a local straight line in z, evaluated at each
+/// o(s, z) by Gaussian weights along the outline (`along`) and a local straight line in z, evaluated at each
 /// cell's middle (`up`: its weights): unlike a plain weighted mean it is right on slopes with uneven density
 /// and at borders.  Then its turns.
-void fit_columns(Sums& sums, std::span<const float> along, std::span<const float> up, const Climb& climb,
+void fit_columns(Sums& sums, std::span<const float> along, std::span<const float> up,
                  const SideField::Config& config, SideField& field) {
   constexpr float k_least_spread_rows2 = 0.02F;
   const SideGrid& grid = field.grid;
@@ -140,19 +116,17 @@ void fit_columns(Sums& sums, std::span<const float> along, std::span<const float
     std::vector<Tap> taps(along.size());
     std::vector<RowOfSums> rows;
     const std::size_t reach = up.size() / 2;
-    const std::size_t outer = sums.margin - reach;  // rows that a climb may shift
     for (std::size_t j = 0; j < up.size(); ++j) {
-      const auto of = [&](Sums::Sum sum) { return blurred.data() + sum * sums.height() + outer + j; };
+      const auto of = [&](Sums::Sum sum) { return blurred.data() + sum * sums.height() + j; };
       rows.push_back({of(Sums::k_w), of(Sums::k_z), of(Sums::k_o), of(Sums::k_zo), up[j],
                       static_cast<float>(j) - static_cast<float>(reach)});
     }
     for (std::size_t col = range.begin(); col != range.end(); ++col) {
       for (std::size_t j = 0; j < taps.size(); ++j) {
-        const auto away = static_cast<std::ptrdiff_t>(j) - static_cast<std::ptrdiff_t>(along.size() / 2);
         const float* other = sums.of((col + j + along.size() * cols - along.size() / 2) % cols);
-        taps[j] = {other + static_cast<std::ptrdiff_t>(outer) + climb.rows(col, away), along[j]};
+        taps[j] = {other, along[j]};
       }
-      sum_taps({blurred.data() + outer, blurred.size() - 2 * outer}, taps);
+      sum_taps(blurred, taps);
       const std::size_t first = grid.at(0, static_cast<int>(col));
       const std::span o{field.o_mm.data() + first, sums.rows};
       std::uint8_t* seen = field.seen.data() + first;
@@ -166,8 +140,7 @@ void fit_columns(Sums& sums, std::span<const float> along, std::span<const float
 
 }  // namespace
 
-SideField SideField::build(const Shoe& shoe, const Outline& outline, const Config& config,
-                           std::span<const float> climb) {
+SideField SideField::build(const Shoe& shoe, const Outline& outline, const Config& config) {
   SideField field;
   SideGrid& grid = field.grid;
   grid.row_mm = config.row_mm;
@@ -176,22 +149,19 @@ SideField SideField::build(const Shoe& shoe, const Outline& outline, const Confi
   grid.rows = std::max(16, static_cast<int>(height_mm / config.row_mm) + 1);
   grid.cols = static_cast<int>(outline.length_mm() / config.col_mm);
   grid.col_mm = outline.length_mm() / grid.cols;
-  BITELINE_EXPECTS(climb.empty() || climb.size() == static_cast<std::size_t>(grid.cols));
 
   field.places = locate_all(shoe.points, outline);
   const Buckets columns = keep_outer_layer(field.places, {.length_mm = outline.length_mm(),
                                                           .z_low_mm = grid.z_low_mm,
                                                           .height_mm = grid.rows * grid.row_mm,
-                                                          .gap_mm = config.lining_gap_mm,
-                                                          .climb = climb});
+                                                          .gap_mm = config.lining_gap_mm});
   const std::vector<float> along = gaussian(config.sigma_s_mm / grid.col_mm, 3);
   const std::vector<float> up = gaussian(config.sigma_z_mm / grid.row_mm, 3);
-  const Climb climbing{climb, grid};
-  Sums sums = collect(field.places, columns, grid, up.size() / 2 + climbing.most_rows(along.size() / 2));
+  Sums sums = collect(field.places, columns, grid, up.size() / 2);
   for (Large<float>* values : {&field.o_mm, &field.turn_rad, &field.wide_turn_rad})
     values->resize(grid.size());
   field.seen.resize(grid.size());
-  fit_columns(sums, along, up, climbing, config, field);
+  fit_columns(sums, along, up, config, field);
   const auto seen = static_cast<double>(std::count(field.seen.begin(), field.seen.end(), 1));
   field.points_per_mm2 = static_cast<double>(sums.points) / std::max(1.0, seen * grid.row_mm * grid.col_mm);
   return field;

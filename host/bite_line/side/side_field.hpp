@@ -4,7 +4,6 @@
 /// unrolled outline.
 
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -37,7 +36,7 @@ struct SideField {
   struct Config {
     double row_mm{0.25};
     double col_mm{1.0};
-    double top_mm{90.0};        ///< above the lowest point: of a low shoe, see find_layers_along()
+    double top_mm{150.0};       ///< above the lowest point: a high heel's line and what lies above it
     double sigma_z_mm{0.5};     ///< close to the 0.4 mm of the line's definition, and a little calmer
     double sigma_s_mm{2.0};     ///< two profiles of a usual scan
     double lining_gap_mm{1.5};  ///< what lies this far behind the outermost surface is another layer
@@ -54,9 +53,7 @@ struct SideField {
   Large<OutlinePlace> places;  ///< of every point; s also negative behind the outermost layer
   double points_per_mm2{0};    ///< of the outermost layer, where it was seen
 
-  /// `climb`: height over length of the creases, per column; the field is smoothed along them.  Empty: level.
-  static SideField build(const Shoe& shoe, const Outline& outline, const Config& config,
-                         std::span<const float> climb = {});
+  static SideField build(const Shoe& shoe, const Outline& outline, const Config& config);
 };
 
 }  // namespace biteline::bite_line

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The default finder and the closed curve side by side, on made shoes of new seeds (ordinary, toe guards,
-// high heels) and on shapes of public origin: right, wrong, for review, refused, and the processor time each
+// The finder on made shoes of new seeds (ordinary, toe guards, high heels, nearly flush soles, seams all
+// round) and on shapes of public origin: right, wrong, for review, refused, and the processor time each
 // takes. What holds no line is a thing, and right where nothing is found on it.
-//
-// Without a known line a shape is told with how far both lines lie apart: these are to be looked at.
 #include <algorithm>
 #include <cstdio>
 #include <ctime>
@@ -14,7 +12,6 @@
 #include <string>
 #include <utility>
 
-#include "host/bite_line/curve/find_by_curve.hpp"
 #include "host/bite_line/find_bite_line.hpp"
 #include "host/bite_line/place/point_spread.hpp"
 #include "host/cloud/ply.hpp"
@@ -99,9 +96,9 @@ struct Tally {
   }
 };
 
-class Compare {
+class Judge {
  public:
-  Compare(std::string save, bool alone, const std::string& points) : save_{std::move(save)}, alone_{alone} {
+  Judge(std::string save, const std::string& points) : save_{std::move(save)} {
     if (points.empty()) return;
     points_.reset(std::fopen(points.c_str(), "w"));
     if (points_)
@@ -111,22 +108,10 @@ class Compare {
 
   void judge(const CurveCase& of) {
     std::optional<bite_line::Workings> workings;
-    const Found curve = timed([&] { return bite_line::find_by_curve(of.scan.cloud, {}, &workings); });
-    tell(of, "curve", curve);
-    if (points_ && workings && !of.scan.truth.points.empty()) write_points(of, curve.line, *workings);
-    if (alone_) return;
-    const Found ours = timed([&] { return bite_line::find_bite_line(of.scan.cloud, {}); });
-    tell(of, "default", ours);
-    if (ours.line.found && curve.line.found) {
-      double most = 0, sum = 0;
-      for (const cloud::LinePoint& point : curve.line.line.points) {
-        const double off = test::distance_mm(point.position, ours.line.line);
-        most = std::max(most, off);
-        sum += off / static_cast<double>(curve.line.line.points.size());
-      }
-      std::fprintf(stderr, "    apart: mean %.3f max %.2f mm\n", sum, most);
-    }
-    if (!save_.empty()) save(of, ours.line, curve.line);
+    const Found found = timed([&] { return bite_line::find_bite_line(of.scan.cloud, {}, &workings); });
+    tell(of, found);
+    if (points_ && workings && !of.scan.truth.points.empty()) write_points(of, found.line, *workings);
+    if (!save_.empty()) save(of, found.line);
   }
 
   void summary() const {
@@ -141,12 +126,11 @@ class Compare {
   }
 
  private:
-  void tell(const CurveCase& of, const char* method, const Found& found) {
+  void tell(const CurveCase& of, const Found& found) {
     const Verdict verdict = verdict_of(of, found.line);
-    tallies_[of.kind + ", " + method].add(of, verdict, found.ms);
-    std::fprintf(stderr,
-                 "%-56s %-8s %-8s %s wrong %.1f of %.1f mm mean %.3f flagged %.3f conf %.3f %.0f ms %s\n",
-                 of.name.c_str(), method, verdict.word.c_str(), of.scan.plain_to_see ? "plain" : "weak",
+    tallies_[of.kind].add(of, verdict, found.ms);
+    std::fprintf(stderr, "%-56s %-8s %s wrong %.1f of %.1f mm mean %.3f flagged %.3f conf %.3f %.0f ms %s\n",
+                 of.name.c_str(), verdict.word.c_str(), of.scan.plain_to_see ? "plain" : "weak",
                  verdict.wrong_mm, verdict.all_off_mm, verdict.mean_mm, verdict.flagged,
                  found.line.confidence, found.ms, found.line.reason().c_str());
     for (const report::StageTime& stage : found.line.stages)
@@ -169,17 +153,14 @@ class Compare {
     }
   }
 
-  void save(const CurveCase& of, const bite_line::Extraction& ours,
-            const bite_line::Extraction& curve) const {
+  void save(const CurveCase& of, const bite_line::Extraction& found) const {
     const std::filesystem::path folder{save_};
     bool written = cloud::write_cloud(folder / (of.name + ".ply"), of.scan.cloud).has_value();
-    if (ours.found) written = cloud::write_line(folder / (of.name + "_default.csv"), ours.line) && written;
-    if (curve.found) written = cloud::write_line(folder / (of.name + "_curve.csv"), curve.line) && written;
+    if (found.found) written = cloud::write_line(folder / (of.name + ".csv"), found.line) && written;
     if (!written) std::fprintf(stderr, "%s: cannot be written\n", of.name.c_str());
   }
 
   std::string save_;
-  bool alone_;
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> points_{nullptr, &std::fclose};
   std::map<std::string, Tally> tallies_;
 };
@@ -187,8 +168,8 @@ class Compare {
 int run(int argc, char** argv) {
   CaseOptions cases{.seed = 9201, .unknown_shapes = true};
   std::string save, points;
-  bool no_shapes = false, alone = false;
-  options::Command command{"The default finder beside the closed curve", "bench_curve"};
+  bool no_shapes = false;
+  options::Command command{"The finder on made shoes and on shapes of public origin", "bench_curve"};
   command.add_option("--seed", cases.seed, "of the made shoes")->capture_default_str();
   command.add_option("--ordinary", cases.ordinary, "made shoes")->capture_default_str();
   command.add_option("--guards", cases.guards, "with a toe guard")->capture_default_str();
@@ -198,14 +179,13 @@ int run(int argc, char** argv) {
   command.add_option("--sewn", cases.sewn, "whose upper has a seam all the way round")->capture_default_str();
   command.add_option("--heel", cases.heel_ratio, "its height over the length")->capture_default_str();
   command.add_flag("--made", no_shapes, "made shoes alone");
-  command.add_flag("--alone", alone, "the curve, and not the default finder");
   command.add_option("--save", save, "clouds and lines go to this folder");
-  command.add_option("--points", points, "a row for each of the curve's stations goes to this file");
+  command.add_option("--points", points, "a row for each of the line's stations goes to this file");
   if (const std::optional<int> status = read_options(command, argc, argv)) return *status;
   cases.shapes = !no_shapes;
-  Compare compare{save, alone, points};
-  for_cases(cases, [&](CurveCase&& of) { compare.judge(of); });
-  compare.summary();
+  Judge judge{save, points};
+  for_cases(cases, [&](CurveCase&& of) { judge.judge(of); });
+  judge.summary();
   return 0;
 }
 

@@ -127,12 +127,11 @@ void for_cases(const CaseOptions& options, const std::function<void(CurveCase&&)
 }
 
 std::optional<bite_line::Side> side_of(const cloud::PointCloud& cloud) {
-  constexpr double k_top_mm = 150;  // as find_by_curve() has it
   const bite_line::PointRuns runs = bite_line::runs_of(cloud);
   bite_line::OrRefusal<bite_line::Shoe> shoe = bite_line::find_shoe(runs.scan(cloud.points).means);
   if (!shoe) return std::nullopt;
   bite_line::Outline outline = bite_line::side_outline(*shoe);
-  bite_line::SideField field = bite_line::SideField::build(*shoe, outline, {.top_mm = k_top_mm});
+  bite_line::SideField field = bite_line::SideField::build(*shoe, outline, {});
   return bite_line::Side{std::move(*shoe), std::move(outline), std::move(field)};
 }
 

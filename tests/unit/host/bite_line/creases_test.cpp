@@ -24,8 +24,7 @@ SideField standing_on(float below_mm, int rows) {
 }
 
 double sole_share(const SideField& field) {
-  const std::vector<float> likeness(field.grid.size(), 1.0F);
-  return describe(field, likeness, std::vector<int>(k_wall_cols, k_foot_row), {}).sole_share;
+  return describe(field, std::vector<int>(k_wall_cols, k_foot_row), {}).sole_share;
 }
 
 }  // namespace

@@ -56,22 +56,6 @@ TEST(Lanes, ACirclesCurvatureIsItsOwnAlsoWhereItIsSteep) {
   }
 }
 
-TEST(Lanes, TheLargestOfSeveralSums) {
-  const std::vector<float> from = drawn(4 * k_longest);
-  const auto row = [&](std::size_t k) { return from.data() + k * k_longest; };
-  const std::vector<Tap> taps{{row(0), 0.5F}, {row(1), 1.0F}, {row(2), 1.0F}, {row(3), -1.0F}};
-  for (std::size_t size = 1; size <= k_longest; ++size) {
-    std::vector<float> to(size + 1, 7.0F);
-    most_of_sums({to.data(), size}, taps, 2);
-    for (std::size_t i = 0; i < size; ++i) {
-      const float first = 0.5F * row(0)[i] + row(1)[i];
-      const float second = row(2)[i] - row(3)[i];
-      DOUBLES_EQUAL(std::max({0.0F, first, second}), to[i], 1e-6);
-    }
-    DOUBLES_EQUAL(7.0, to[size], 0);
-  }
-}
-
 TEST(Lanes, APointLandsAtItsNearestStationAndAtItsHeightAboveTheSlopingPath) {
   const std::vector<PathGrid::Step> steps{{10, 2}, {12, -1}, {11, -1}};
   const PathGrid grid{

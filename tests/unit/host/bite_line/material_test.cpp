@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "host/bite_line/layers/material.hpp"
+#include "host/bite_line/curve/material.hpp"
 
 #include <CppUTest/TestHarness.h>
 
@@ -7,7 +7,6 @@
 #include <functional>
 #include <vector>
 
-#include "host/bite_line/layers/climb.hpp"
 #include "tests/unit/host/bite_line/drum.hpp"
 
 namespace biteline::bite_line {
@@ -124,31 +123,6 @@ TEST(Material, WhereNothingIsKnownOfOneSideNothingIsSaid) {
     if (side.field.places[i].z_mm < 11) half[i] = {};
   }
   DOUBLES_EQUAL(0, favours(side, half), 0);
-}
-
-TEST(Material, ATieIsHeldByTheMaterialButTheCourseIsTheShapes) {
-  const auto layers_with = [](const std::vector<RunLook>& of) {
-    Side two = test::drum_side([](double, double z) { return two_grooves(z, 0.5); });
-    // A tie: what is left above costs nothing.
-    LayersConfig config;
-    config.evidence.above_ratio = 0;
-    return find_layers_along(two, config, of);
-  };
-  const Side two = test::drum_side([](double, double z) { return two_grooves(z, 0.5); });
-  const Layers shape = layers_with({});
-  const Layers plain = layers_with(looks(two, [](double, double) { return 90.0; }));
-  const Layers with = layers_with(looks(two, [](double, double z) { return grey_of(z, k_line_mm); }));
-  const Layers against = layers_with(looks(two, [](double, double z) { return grey_of(z, k_decoy_mm); }));
-  CHECK(!shape.rivals.empty() && shape.rivals.front().all_round);
-  CHECK(shape.hold == plain.hold);
-  for (const Layers* other : {&plain, &with, &against}) CHECK(shape.line.row == other->line.row);
-  // A likelihood ratio of 10, and not more.
-  const auto log_odds = [](const Layers& layers) {
-    const auto hold = static_cast<double>(layers.hold.front());
-    return std::log(hold / (1 - hold));
-  };
-  DOUBLES_EQUAL(log_odds(shape) + 2.3, log_odds(with), 0.01);
-  DOUBLES_EQUAL(log_odds(shape) - 2.3, log_odds(against), 0.01);
 }
 
 }  // namespace biteline::bite_line

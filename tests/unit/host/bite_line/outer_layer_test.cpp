@@ -116,31 +116,4 @@ TEST(OuterLayer, AGrooveKeepsItsBottomWhereProfilesLieApart) {
   UNSIGNED_LONGS_EQUAL(0, lost);
 }
 
-TEST(OuterLayer, ACreaseThatClimbsBesideItsSoleIsNotBehindThat) {
-  // The sole stands 2.5 mm out up to a crease that climbs by a millimetre for each one along: within a column
-  // the sole reaches the height of the crease beside it.  Few points, as runs of a profile are.
-  constexpr float k_climb = 1.0F;
-  for (int i = 0; i < 60000; ++i) {
-    const float s = wall.any(20, 70);
-    const float z = wall.any(0, 60);
-    const float above = z - (5 + k_climb * (s - 20));
-    const float shelf = std::clamp(above / 0.6F, 0.0F, 1.0F);
-    wall.places.push_back({s, -2.5F * shelf + 0.05F * std::max(above, 0.0F), z});
-  }
-  OuterLayerConfig config = k_config;
-  const std::vector<OutlinePlace> all = wall.places;
-  const auto lost = [&] {
-    wall.places = all;
-    keep_outer_layer(wall.places, config);
-    return std::count_if(wall.places.begin(), wall.places.end(), [](const auto& p) { return p.s_mm < 0; });
-  };
-  const auto level = lost();
-  const std::vector<float> climb(600, k_climb);
-  config.climb = climb;
-  const auto along = lost();
-  CHECK_COMPARE(level, >, 1500);
-  // What is left is lost at the strip's two ends, where a column is half empty.
-  CHECK_COMPARE(along, <, level / 3);
-}
-
 }  // namespace biteline::bite_line

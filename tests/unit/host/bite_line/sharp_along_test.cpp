@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "host/bite_line/layers/layers.hpp"
+#include "host/bite_line/path/layers.hpp"
 
 namespace biteline::bite_line {
 namespace {

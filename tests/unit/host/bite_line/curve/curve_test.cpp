@@ -15,7 +15,8 @@
 #include "host/bite_line/curve/curve_posterior.hpp"
 #include "host/bite_line/curve/curve_rivals.hpp"
 #include "host/bite_line/curve/curve_search.hpp"
-#include "host/bite_line/curve/find_by_curve.hpp"
+#include "host/bite_line/curve/led_curve.hpp"
+#include "host/bite_line/find_bite_line.hpp"
 #include "tests/unit/host/bite_line/drum.hpp"
 
 namespace biteline::bite_line::test {
@@ -264,6 +265,58 @@ TEST(CurveRivals, AFaintWayAllRoundAboveIsOneHoweverPlainTheCurveIs) {
   CHECK(!above_at(2.5F).has_value());
 }
 
+TEST_GROUP(LedCurve){};
+
+TEST(LedCurve, FollowsTheCheapestWayThroughItsLeadsInAnyDirection) {
+  const CurveCosts costs = costs_where(on_gate);
+  const Raster raster = blank_raster();
+  const auto lead = [&](int row, int col, double reach_mm) {
+    return CurveLead{.place = raster.place(row, col), .reach_mm = reach_mm};
+  };
+  // The hand is a cell beside the gate's top.
+  const std::vector<CurveLead> leads{lead(20, 60, 0.5), lead(52, 95, 2.5), lead(20, 130, 0.5)};
+  const auto sut = led_curve(raster, costs, leads, {});
+  CHECK(sut.has_value());
+  DOUBLES_EQUAL(0, (sut->front() - leads.front().place).norm(), 0.5);
+  DOUBLES_EQUAL(0, (sut->back() - leads.back().place).norm(), 0.5);
+  std::size_t beside = 0;
+  for (const Vec2& at : *sut) {
+    const int row = static_cast<int>(std::lround(raster.row_of(at.y())));
+    const int col = static_cast<int>(std::lround(raster.col_of(at.x())));
+    beside += on_gate(row, col) ? 0U : 1U;
+  }
+  CHECK_COMPARE(beside, <, sut->size() / 10);
+}
+
+TEST(LedCurve, GoesOnOverTheEndOfTheOutline) {
+  const CurveCosts costs = costs_where([](int row, int) { return row == 30; });
+  const Raster raster = blank_raster();
+  const std::vector<CurveLead> leads{{.place = raster.place(30, k_cols - 20), .reach_mm = 0.5},
+                                     {.place = raster.place(30, k_cols + 20), .reach_mm = 0.5}};
+  const auto sut = led_curve(raster, costs, leads, {});
+  CHECK(sut.has_value());
+  LONGS_EQUAL(41, sut->size());
+}
+
+TEST(LedCurve, ToAPlaceBesideTheSideThereIsNone) {
+  const CurveCosts costs = costs_where([](int row, int) { return row == 30; });
+  const Raster raster = blank_raster();
+  const std::vector<CurveLead> leads{{.place = raster.place(30, 20), .reach_mm = 0.5},
+                                     {.place = raster.place(k_rows + 5, 60), .reach_mm = 0.5}};
+  CHECK_FALSE(led_curve(raster, costs, leads, {}).has_value());
+}
+
+TEST(LedCurve, PointsOfAHandCountWhereTheyLieAndNotWhenTheyWereSet) {
+  const auto lead = [](double s_mm, double z_mm) { return CurveLead{.place = {s_mm, z_mm}, .reach_mm = 1}; };
+  // Up a flank, over the top, down the other one.
+  const std::vector<CurveLead> leads{lead(0, 0),  lead(40, 20), lead(19, 8),
+                                     lead(61, 9), lead(20, 18), lead(80, 0)};
+  const std::vector<double> expected{0, 8, 18, 20, 9, 0};
+  const std::vector<CurveLead> sut = in_order(leads);
+  LONGS_EQUAL(expected.size(), sut.size());
+  for (std::size_t i = 0; i < sut.size(); ++i) DOUBLES_EQUAL(expected[i], sut[i].place.y(), 0);
+}
+
 TEST_GROUP(CurvePosterior){};
 
 TEST(CurvePosterior, AnotherWayAsLikelyTakesHalfOfItsStretchAlone) {
@@ -402,7 +455,7 @@ TEST(FindByCurve, AnotherWayOfAStretchIsACandidate) {
     return -0.1 * std::max(0.0, z - 25) - (z > 25 - by_mm ? k_lower_share * k_step_mm : 0) -
            (z > 25 + by_mm ? (1 - k_lower_share) * k_step_mm : 0);
   });
-  const Extraction found = find_by_curve(cloud, {});
+  const Extraction found = find_bite_line(cloud, {});
   CHECK(found.candidates.size() > 1);
   const std::vector<Vec3>&one = found.candidates[0].points, &other = found.candidates[1].points;
   LONGS_EQUAL(one.size(), other.size());

@@ -10,6 +10,7 @@
 #include "host/bite_line/mend/splice.hpp"
 #include "tests/support/made_cloud.hpp"
 #include "tests/support/refusals.hpp"
+#include "tests/unit/host/bite_line/guard_shoes.hpp"
 
 namespace biteline::mend {
 namespace {
@@ -200,10 +201,45 @@ TEST(Mend, WhatCannotBeDoneIsRefusedByName) {
         Refused::HintOffSide);
   CHECK(code_of({.kind = Step::Kind::Through, .stretch = right, .points = {found().points[600].position}},
                 found()) == Refused::HintOutside);
-  Vec3 high = found().points[44].position;
-  high.z() += 12;
-  CHECK(code_of({.kind = Step::Kind::Through, .stretch = {.from_mm = 20, .to_mm = 24}, .points = {high}},
-                found()) == Refused::NoCourse);
+}
+
+TEST(Mend, ALineIsLedRoundAGuardByAFewPoints) {
+  // The found line goes round the guard; below it a bridge is put in its place.
+  const test::SweepScan guarded = test::scan_of(test::with_guard(test::designed(0)));
+  const cloud::ClosedLine line = bite_line::find_bite_line(guarded.cloud, {}).line;
+  const Surface side = std::move(Surface::of(guarded.cloud).value());
+  // The guard's edge stands upright over its flanks: the line is steepest there.
+  const std::size_t count = line.points.size();
+  const auto steep_at = [&](std::size_t i) {
+    const Vec3 way = line.points[(i + 10) % count].position - line.points[i].position;
+    return std::abs(way.z()) > 1.5 * way.head<2>().norm();
+  };
+  std::vector<std::size_t> steep;
+  for (std::size_t i = 0; i < count; ++i)
+    if (steep_at(i)) steep.push_back(i);
+  CHECK(steep.size() > 10);
+  CHECK(steep.back() - steep.front() < count / 2);
+  const std::size_t from = steep.front() - 30, to = steep.back() + 40;
+  const Step cut{.kind = Step::Kind::Cut,
+                 .stretch = {.from_mm = mm_of(line, from), .to_mm = mm_of(line, to)}};
+  const OrRefusal<cloud::ClosedLine> wrong = mend(side, line, {&cut, 1}, {});
+  CHECK_TEXT(wrong.has_value(), wrong ? "" : wrong.error().reason.c_str());
+  const auto most_off_mm = [&](const cloud::ClosedLine& of) {
+    double most = 0;
+    for (std::size_t i = from; i <= to; ++i)
+      most = std::max(most, test::distance_mm(line.points[i].position, of));
+    return most;
+  };
+  CHECK(most_off_mm(*wrong) > 3);
+  const std::size_t first = nearest_index(*wrong, line.points[from].position);
+  const std::size_t last = nearest_index(*wrong, line.points[to].position);
+  const Step through{.kind = Step::Kind::Through,
+                     .stretch = {.from_mm = mm_of(*wrong, first - 4), .to_mm = mm_of(*wrong, last + 4)},
+                     .points = {line.points[(from + to) / 2].position, line.points[steep.back() - 4].position,
+                                line.points[steep.front() + 8].position}};
+  const OrRefusal<cloud::ClosedLine> sut = mend(side, *wrong, {&through, 1}, {});
+  CHECK_TEXT(sut.has_value(), sut ? "" : sut.error().reason.c_str());
+  CHECK_COMPARE(most_off_mm(*sut), <, 1.0);
 }
 
 TEST(Mend, AStretchAboutAPointHoldsIt) {

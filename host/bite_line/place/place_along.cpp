@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "host/bite_line/level/place_along.hpp"
+#include "host/bite_line/place/place_along.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,20 +1,16 @@
 // SPDX-License-Identifier: MIT
-#include "host/bite_line/curve/find_by_curve.hpp"
+#include "host/bite_line/curve/place_curve.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <span>
 #include <utility>
 
-#include "host/bite_line/curve/curve_on_side.hpp"
-#include "host/bite_line/layers/layers.hpp"
-#include "host/bite_line/level/levelled.hpp"
-#include "host/bite_line/level/place_along.hpp"
 #include "host/bite_line/path/creases.hpp"
-#include "host/bite_line/path/decide.hpp"
-#include "host/bite_line/place/finish.hpp"
+#include "host/bite_line/path/layers.hpp"
+#include "host/bite_line/place/levelled.hpp"
+#include "host/bite_line/place/place_along.hpp"
 #include "host/bite_line/place/place_path.hpp"
-#include "host/bite_line/side/seam.hpp"
 #include "host/bite_line/side/side_outline.hpp"
 #include "host/geometry/bridge.hpp"
 
@@ -22,10 +18,7 @@ namespace biteline::bite_line {
 
 namespace {
 
-// A high heel's line, and what lies above it.
-constexpr double k_top_mm = 150;
-// Of the curve's smoothing: its cells have corners.
-constexpr double k_curve_sigma_mm = 1.5;
+constexpr std::size_t k_most_rivals = 6;  // that are told
 
 /// The station beside each column, by where a station lies along the columns.
 template <class Along>
@@ -73,7 +66,7 @@ void add_rivals(std::span<const CurveStation* const> stations, const SideField& 
       const std::size_t c = (stretch.first + k) % cols;
       row[c] = std::clamp(row[c] + static_cast<int>(std::lround(by_mm[c] / grid.row_mm)), 0, grid.rows - 1);
     }
-    Crease crease = describe(field, {}, on_crest(field, row, Raster::k_cell_mm), {});
+    Crease crease = describe(field, on_crest(field, row, Raster::k_cell_mm), {});
     crease.evidence = evidence;
     rivals.push_back({.crease = std::move(crease),
                       .first_col = static_cast<int>((stretch.first + 1) % cols),
@@ -89,7 +82,7 @@ template <class Rise>
 Layers layers_of(const CurveOnSide& found, std::span<const CurveStation* const> stations,
                  const SideField& field, std::span<const int> path, Rise&& rise_mm) {
   Layers layers;
-  layers.line = describe(field, {}, on_crest(field, path, Raster::k_cell_mm), {});
+  layers.line = describe(field, on_crest(field, path, Raster::k_cell_mm), {});
   layers.line.evidence = found.evidence;
   for (const CurveStation* station : stations) {
     layers.hold.push_back(static_cast<float>(station->hold));
@@ -101,25 +94,20 @@ Layers layers_of(const CurveOnSide& found, std::span<const CurveStation* const> 
   for (const bool above : {true, false})
     add_rivals(stations, field, path, found.evidence, above, rise_mm, layers.rivals);
   std::ranges::sort(layers.rivals, std::ranges::greater{}, &Rival::cols);
-  layers.rivals.resize(std::min<std::size_t>(layers.rivals.size(), LayersConfig{}.most));
+  layers.rivals.resize(std::min(layers.rivals.size(), k_most_rivals));
   return layers;
 }
-
-struct PlacedCurve {
-  Decision decision;
-  PlacedLine placed;
-};
 
 /// How a curve is judged and placed.
 class CurvePlacer {
  public:
   /// All borrowed.
-  CurvePlacer(const ScanPoints& scan, const Side& side, const CurveOnSide& found,
-              const std::optional<SeamStep>& seam, const Config& config)
-      : scan_{scan}, side_{side}, found_{found}, seam_{seam}, config_{config} {}
+  CurvePlacer(const ScanPoints& scan, const Side& side, const CurveOnSide& found, double spacing_mm)
+      : scan_{scan}, side_{side}, found_{found}, spacing_mm_{spacing_mm} {}
 
-  /// Sections are upright by the line's definition; only where it climbs steeply is the side levelled first.
-  [[nodiscard]] PlacedCurve run() const {
+  /// `judge`: of its layers, whether it is the line.
+  template <class Judge>
+  [[nodiscard]] PlacedCurve run(Judge&& judge) const {
     constexpr double k_steep = 0.9;
     const SideGrid& grid = side_.field.grid;
     const double turn_mm = side_.outline.length_mm();
@@ -134,7 +122,7 @@ class CurvePlacer {
     const std::vector<double> row = smooth_rows(grid, path);
     for (std::size_t i = 0; i < row.size(); ++i) {
       const double rise_mm = (row[(i + 1) % row.size()] - row[i]) * grid.row_mm;
-      if (std::abs(rise_mm) > k_steep * grid.col_mm) return along_curve();
+      if (std::abs(rise_mm) > k_steep * grid.col_mm) return along_curve(judge);
     }
     PlacedCurve result;
     const Layers layers = layers_of(
@@ -142,27 +130,24 @@ class CurvePlacer {
           // Square to a curve that climbs a little; the path is told upright.
           return other.off_mm * other.off_mm / (other.place.y() - station.place.y());
         });
-    result.decision = decided(layers);
+    result.decision = judge(layers);
     if (!shows(result.decision)) return result;
-    result.placed = place_path(scan_, side_, result.decision.paths.front().row,
-                               {.hold = layers.hold, .other_mm = layers.other_mm, .sharp = layers.sharp},
-                               config_.point_spacing_mm);
+    result.placed =
+        place_path(scan_, side_, layers.line.row,
+                   {.hold = layers.hold, .other_mm = layers.other_mm, .sharp = layers.sharp}, spacing_mm_);
     return result;
   }
 
  private:
   static bool shows(const Decision& decision) { return !decision.refusal || decision.for_review; }
 
-  [[nodiscard]] Decision decided(const Layers& layers) const {
-    return decide(layers, plan_shape(side_reach(side_)), seam_, config_.min_confidence_ratio);
-  }
-
-  [[nodiscard]] PlacedCurve along_curve() const {
+  template <class Judge>
+  [[nodiscard]] PlacedCurve along_curve(Judge&& judge) const {
     PlacedCurve result;
     std::vector<Vec2> guide;
     for (const CurveStation& station : found_.stations) guide.push_back(station.place);
     const OrRefusal<Levelled> levelled =
-        Levelled::along(side_, smooth_guide(guide, side_.outline.length_mm(), k_curve_sigma_mm));
+        Levelled::along(side_, smooth_guide(guide, side_.outline.length_mm(), k_guide_sigma_mm));
     if (!levelled) {
       result.decision.refusal = levelled.error();
       return result;
@@ -176,14 +161,11 @@ class CurvePlacer {
     const Layers layers =
         layers_of(found_, stations, level.field, path,
                   [](const CurveStation&, const CurveAlternative& other) { return other.off_mm; });
-    result.decision = decided(layers);
+    result.decision = judge(layers);
     if (shows(result.decision)) {
-      OrRefusal<PlacedLine> placed = place_along(scan_, side_,
-                                                 {.levelled = *levelled,
-                                                  .grid = grid,
-                                                  .path_row = result.decision.paths.front().row,
-                                                  .layers = layers},
-                                                 config_.point_spacing_mm);
+      OrRefusal<PlacedLine> placed = place_along(
+          scan_, side_, {.levelled = *levelled, .grid = grid, .path_row = layers.line.row, .layers = layers},
+          spacing_mm_);
       if (placed) {
         result.placed = std::move(*placed);
       } else {
@@ -198,42 +180,26 @@ class CurvePlacer {
   const ScanPoints& scan_;
   const Side& side_;
   const CurveOnSide& found_;
-  const std::optional<SeamStep>& seam_;
-  const Config& config_;
+  double spacing_mm_;
 };
 
 }  // namespace
 
-Extraction find_by_curve(const ScanPoints& scan, const Config& config, std::optional<Workings>* workings) {
-  report::StageClock clock;
-  OrRefusal<Shoe> shoe = clock.run("shoe", [&] { return find_shoe(scan.means); });
-  if (!shoe) return refused(shoe.error(), clock.take());
-  Outline outline = clock.run("outline", [&] { return side_outline(*shoe); });
-  SideField field = clock.run("side", [&] { return SideField::build(*shoe, outline, {.top_mm = k_top_mm}); });
-  Side side{std::move(*shoe), std::move(outline), std::move(field)};
-  const std::optional<SeamStep> seam =
-      clock.run("seam", [&] { return seam_step(scan, side.shoe, side.outline); });
-  const std::optional<CurveOnSide> found = clock.run("curve", [&] { return curve_on(side, scan.looks); });
-  if (!found) return refused({Refused::NoCreaseAllRound, "no curve leads round the side"}, clock.take());
-  PlacedCurve placed = clock.run("place", [&] {
-    return CurvePlacer{scan, side, *found, seam, config}.run();
+PlacedCurve place_curve(const ScanPoints& scan, const Side& side, const CurveOnSide& found,
+                        const std::optional<SeamStep>& seam, const Config& config) {
+  return CurvePlacer{scan, side, found, config.point_spacing_mm}.run([&](const Layers& layers) {
+    return decide(layers, plan_shape(side_reach(side)), seam, config.min_confidence_ratio);
   });
-  Extraction extraction = clock.run("finish", [&] {
-    uncertainty::WholeScan whole{.head = {}, .arm = scan.arm};
-    if (config.head != nullptr && !scan.poses.empty()) whole.head.emplace(*config.head, scan.poses);
-    return finish(side, placed.decision, placed.placed, config, whole);
-  });
-  extraction.seam = seam;
-  extraction.stages = clock.take();
-  if (workings != nullptr)
-    workings->emplace(Workings{std::move(side), std::move(placed.decision), std::move(placed.placed)});
-  return extraction;
 }
 
-Extraction find_by_curve(const cloud::PointCloud& cloud, const Config& config,
-                         std::optional<Workings>* workings) {
-  const PointRuns runs = runs_of(cloud);
-  return find_by_curve(runs.scan(cloud.points), config, workings);
+OrRefusal<PlacedLine> place_guide(const ScanPoints& scan, const Side& side, std::span<const Vec2> guide,
+                                  double spacing_mm) {
+  CurveOnSide as_found;
+  for (const Vec2& place : guide) as_found.stations.push_back({.place = place});
+  PlacedCurve placed =
+      CurvePlacer{scan, side, as_found, spacing_mm}.run([](const Layers&) { return Decision{}; });
+  if (placed.decision.refusal) return tl::unexpected<Refusal>(std::move(*placed.decision.refusal));
+  return std::move(placed.placed);
 }
 
 }  // namespace biteline::bite_line

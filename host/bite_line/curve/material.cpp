@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "host/bite_line/layers/material.hpp"
+#include "host/bite_line/curve/material.hpp"
 
 #include <algorithm>
 #include <cmath>

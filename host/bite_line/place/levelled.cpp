@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "host/bite_line/level/levelled.hpp"
+#include "host/bite_line/place/levelled.hpp"
 
 #include <algorithm>
 #include <cmath>

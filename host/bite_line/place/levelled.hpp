@@ -15,19 +15,11 @@
 
 namespace biteline::bite_line {
 
-/// A closed curve on the side, and what is known of it.
-struct Guide {
-  std::vector<Vec2> places;  ///< see guide_of()
-  /// Per place, as Layers::hold and other_mm have it; empty where nothing speaks against it.
-  std::vector<float> hold{};
-  std::vector<float> other_mm{};
-};
+/// Of a guide's smoothing: a curve over cells has corners.
+inline constexpr double k_guide_sigma_mm = 1.5;
 
-/// Of a guide's smoothing: a way over cells has corners.
-inline constexpr double k_guide_sigma_mm = 2.5;
-
-/// Evenly spaced, and smoothed by a Gaussian of `sigma_mm` along it.  `guide`: see guide_of(); `turn_mm`: the
-/// outline's length.
+/// Evenly spaced, and smoothed by a Gaussian of `sigma_mm` along it.  `guide`: places (s, z) once round; s
+/// goes on beyond the outline's length, which is `turn_mm`.
 [[nodiscard]] std::vector<Vec2> smooth_guide(std::span<const Vec2> guide, double turn_mm, double sigma_mm);
 
 /// Places of the shoe and of the levelled one, mm, in shoe.

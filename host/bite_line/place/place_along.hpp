@@ -2,8 +2,8 @@
 #pragma once
 /// \file The exact place of a line that was found on a levelled side.
 
-#include "host/bite_line/layers/layers.hpp"
-#include "host/bite_line/level/levelled.hpp"
+#include "host/bite_line/path/layers.hpp"
+#include "host/bite_line/place/levelled.hpp"
 #include "host/bite_line/place/placement.hpp"
 #include "host/bite_line/scan_points.hpp"
 #include "host/bite_line/side/side.hpp"
