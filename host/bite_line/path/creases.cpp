@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "host/geometry/closed_curve.hpp"
@@ -164,7 +165,7 @@ Crease describe(const SideField& field, std::span<const int> path, const CreaseC
   const SideGrid& grid = field.grid;
   Crease crease;
   const auto cols = static_cast<std::size_t>(grid.cols);
-  crease.turn_rad.assign(cols, 0.0F);
+  crease.turn_rad.assign(cols, std::numeric_limits<float>::quiet_NaN());
   crease.visible.assign(cols, 0);
   crease.row = smooth_rows(grid, path);
 

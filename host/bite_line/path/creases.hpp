@@ -12,8 +12,9 @@ namespace biteline::bite_line {
 
 /// One closed path and what the surface does along it.  Angles rad, lengths mm.
 struct Crease {
-  std::vector<double> row;            ///< per column, smooth, in rows of the grid
-  std::vector<float> turn_rad;        ///< per column: turn of the surface across the path, concave > 0
+  std::vector<double> row;  ///< per column, smooth, in rows of the grid
+  std::vector<float>
+      turn_rad;  ///< per column: turn of the surface across the path, concave > 0; NaN: not seen
   std::vector<std::uint8_t> visible;  ///< per column: a crease stands out of its surroundings here
   double seen_share{0};               ///< of the columns: surface was seen at the path
   double visible_share{0};            ///< of the columns: visible

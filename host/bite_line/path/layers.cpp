@@ -25,12 +25,11 @@ std::optional<float> sharpness(const SideField& field, const Crease& line, int c
   if (row < k_reach_rows || row + k_reach_rows >= grid.rows) return std::nullopt;
   const std::size_t low = grid.at(row - k_reach_rows, col);
   const std::size_t high = grid.at(row + k_reach_rows, col);
-  if (field.seen[low] == 0 || field.seen[high] == 0) return std::nullopt;
+  const auto turn_rad = static_cast<double>(line.turn_rad[static_cast<std::size_t>(col)]);
+  if (field.seen[low] == 0 || field.seen[high] == 0 || std::isnan(turn_rad)) return std::nullopt;
   const double slope =
       static_cast<double>(field.o_mm[high] - field.o_mm[low]) / (2 * k_reach_rows * grid.row_mm);
-  const double turn =
-      std::max(static_cast<double>(line.turn_rad[static_cast<std::size_t>(col)]), k_least_rad);
-  const double doubt = 0.7 * std::pow(slope * k_plain_rad / turn, 2);
+  const double doubt = 0.7 * std::pow(slope * k_plain_rad / std::max(turn_rad, k_least_rad), 2);
   return static_cast<float>(1 / (1 + doubt));
 }
 
