@@ -57,18 +57,25 @@ class ScanBeside {
 };
 
 std::vector<PlacedPoint> placed_line(const cloud::ClosedLine& line, const Sample& sample,
-                                     const Alignment& alignment) {
+                                     const Alignment& alignment, const AlignOptions& align,
+                                     const CarryOptions& carrying) {
   const SE3 T_shoe_base = sample.T_base_shoe.inverse();
+  std::vector<Alignment::OnLine> on_sample;
   std::vector<PlacedPoint> placed;
   placed.reserve(line.points.size());
   for (const cloud::LinePoint& point : line.points) {
-    const Alignment::OnLine on_upper = alignment.placed(
+    on_sample.push_back(
         {.point = T_shoe_base * point.position, .normal = T_shoe_base.linear() * point.normal});
+    const Alignment::OnLine on_upper = alignment.placed(on_sample.back());
     placed.push_back({.position = on_upper.point,
                       .normal = on_upper.normal,
                       .confidence = point.confidence,
                       .sample_u95_mm = point.u95_mm.value_or(0)});
   }
+  if (align.grade)
+    tell_graded_spread(alignment, on_sample, carrying, placed);
+  else
+    tell_spread(alignment.belief, alignment.placement.T_target_source, carrying, placed);
   return placed;
 }
 
@@ -83,18 +90,6 @@ CarriedLine carry(const ReadySample& sample, const cloud::PointCloud& upper, con
   for (std::size_t i = 0; i < placed.size(); ++i) placed[i].wall_mm = sample.walls_mm()[i];
   if (mesh == nullptr) return carry_line(*points, placed, options);
   return carry_line(FirstOf{*mesh, *points}, placed, options);
-}
-
-/// Of another size: twice the standard deviation of alignment and of what the fit of two shapes leaves, and
-/// how far another reading of the sizes would move the line.
-double graded_sigma_mm(const Alignment& alignment) {
-  return std::hypot(alignment.line_sigma_mm, alignment.shape_rms_mm) + alignment.rival_mm / 2;
-}
-
-void tell_sigmas(const Alignment& alignment, bool graded, const CarryOptions& options,
-                 std::vector<PlacedPoint>& placed) {
-  if (!graded) return tell_spread(alignment.belief, alignment.placement.T_target_source, options, placed);
-  for (PlacedPoint& point : placed) point.sigma_mm = graded_sigma_mm(alignment);
 }
 
 std::vector<double> sigmas_of(const std::vector<PlacedPoint>& placed) {
@@ -221,8 +216,7 @@ Transfer transfer_line(const ReadySample& sample, const cloud::PointCloud& upper
   }
   const Vec3 up = alignment.placement.T_target_source.linear().col(2);
   const CarryOptions carrying{.direction = options.direction, .up = up, .max_gap_mm = options.max_gap_mm};
-  transfer.placed = placed_line(line, made_sample, alignment);
-  tell_sigmas(alignment, options.align.grade, carrying, transfer.placed);
+  transfer.placed = placed_line(line, made_sample, alignment, options.align, carrying);
   transfer.bound_mm = bound_mm(sigmas_of(transfer.placed));
   if (!alignment.accepted()) {
     transfer.refusal = Refusal{.code = code_of(alignment.verdict), .reason = alignment.reason};

@@ -8,6 +8,8 @@
 #include <numbers>
 
 #include "host/cloud/uncertainty/radius.hpp"
+#include "host/geometry/symmetric.hpp"
+#include "host/transfer/align/icp.hpp"
 
 namespace biteline::transfer {
 namespace {
@@ -111,6 +113,24 @@ void tell_spread(const Belief& belief, const SE3& T_target_source, const CarryOp
                        .sigma_mm = std::max(1e-6, std::sqrt(std::max(0.0, row.dot(part.covariance * row))))});
     }
     point.sigma_mm = u95_mm(parts) / k_share_sigmas;
+  });
+}
+
+void tell_graded_spread(const Alignment& alignment, std::span<const Alignment::OnLine> on_sample,
+                        const CarryOptions& options, std::vector<PlacedPoint>& placed) {
+  const std::size_t size = placed.size();
+  const Information covariance = geometry::SymmetricSolver{alignment.information}.inverse();
+  const Mat3 R_source_target = alignment.placement.T_target_source.linear().transpose();
+  tbb::parallel_for(std::size_t{0}, size, [&](std::size_t i) {
+    PlacedPoint& point = placed[i];
+    const Vec3 along =
+        (placed[(i + 1) % size].position - placed[(i + size - 1) % size].position).normalized();
+    const Vec3 c = R_source_target * sight(point.normal, along, ray_direction(point, options));
+    const Alignment::OnLine used = alignment.as_used(on_sample[i]);
+    const LineJacobian J = line_jacobian(alignment.placement.grade, used.point,
+                                         used.normal.head<2>().normalized(), covariance.rows());
+    const ParameterStep row = J.transpose() * c;
+    point.sigma_mm = std::hypot(std::sqrt(std::max(0.0, row.dot(covariance * row))), alignment.rim_doubt_mm);
   });
 }
 

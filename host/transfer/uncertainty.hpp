@@ -2,9 +2,11 @@
 #pragma once
 /// \file How far a carried line may be off: per point, and as one bound.
 
+#include <span>
 #include <vector>
 
 #include "host/cloud/uncertainty/whole_scan.hpp"
+#include "host/transfer/align/alignment.hpp"
 #include "host/transfer/align/evidence.hpp"
 #include "host/transfer/carry/carried_line.hpp"
 
@@ -15,6 +17,11 @@ namespace biteline::transfer {
 /// wall, and along itself a line cannot be off.
 void tell_spread(const Belief& belief, const SE3& T_target_source, const CarryOptions& options,
                  std::vector<PlacedPoint>& placed);
+
+/// The same of another size: what wall, rims and law leave open of placement and grade.  `on_sample`: the
+/// points as `Alignment::placed()` takes them.
+void tell_graded_spread(const Alignment& alignment, std::span<const Alignment::OnLine> on_sample,
+                        const CarryOptions& options, std::vector<PlacedPoint>& placed);
 
 /// The upper's surface is where its scan has it: widens each point's U95 by what the scan does not know, and
 /// lowers its confidence.

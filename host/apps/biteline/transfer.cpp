@@ -10,6 +10,7 @@
 #include "host/records/report/report.hpp"
 #include "host/records/results/line_result.hpp"
 #include "host/records/results/transfer_result.hpp"
+#include "host/transfer/grading.hpp"
 #include "host/transfer/identify.hpp"
 #include "host/transfer/transfer.hpp"
 
@@ -18,6 +19,7 @@ namespace {
 
 struct TransferOptions {
   std::string sample;  ///< folder, or a model's name; empty: find the model
+  std::string second;  ///< the same of another size; empty: none
   std::filesystem::path upper, out, library{transfer::Library::default_folder()};
   cloud::Reading reading;
   transfer::TransferOptions transfer;
@@ -55,7 +57,16 @@ Result<transfer::Transfer> carry_over(const TransferOptions& options, const clou
   report.fields["sample"] = sample_name;
   BITELINE_ASSIGN(const transfer::SampleFiles sample,
                   report.timed("read_sample", [&] { return transfer::find_sample(sample_name, library); }));
-  return report.timed("transfer", [&] { return transfer::transfer_line(sample, upper, options.transfer); });
+  if (options.second.empty())
+    return report.timed("transfer", [&] { return transfer::transfer_line(sample, upper, options.transfer); });
+  report.fields["second"] = options.second;
+  BITELINE_ASSIGN(const transfer::SampleFiles second, report.timed("read_second", [&] {
+    return transfer::find_sample(options.second, library);
+  }));
+  const transfer::ReadySample one{sample}, other{second};
+  return report.timed("transfer", [&] {
+    return transfer::transfer_by_two({&one, &other}, upper, options.transfer);
+  });
 }
 
 /// An upper that is to be read otherwise: report.json alone.
@@ -97,13 +108,20 @@ void add_transfer(options::Command& app, Context& context) {
   auto options = std::make_shared<TransferOptions>();
   options::Command* command =
       app.add_subcommand("transfer", "Carry a sample's bite line over to the next upper of its model");
-  command->add_option("--sample", options->sample,
-                      "Folder of a finished sample, or a saved model's name; left out: find the model");
+  auto* const sample =
+      command->add_option("--sample", options->sample,
+                          "Folder of a finished sample, or a saved model's name; left out: find the model");
   command->add_option("--upper", options->upper, std::string{"The upper's cloud: "} + k_cloud_kinds)
       ->required();
   add_reading_options(*command, options->reading);
   command->add_option("--out", options->out, "Folder for line.csv, report.json, stages/")->required();
   command->add_option("--library", options->library, "Folder of the saved models")->capture_default_str();
+  command
+      ->add_option(
+          "--second", options->second,
+          "Another sample of the model, of another size and the same foot: the two teach how its factory "
+          "grades, and the nearer one carries the line")
+      ->needs(sample);
   command->add_flag("--mirror", options->transfer.align.mirror, "The sample is of the other foot");
   command->add_flag("--grade", options->transfer.align.grade,
                     "The sample is of another size: grade by length, width and height");

@@ -28,11 +28,7 @@ constexpr double k_min_overlap_ratio = 0.6;
 constexpr double k_hopeless_overlap_ratio =
     0.4;  // so small a part fits in many places: nothing else can be said of it
 constexpr double k_min_upper_overlap_ratio =
-    0.85;                                // a partial scan of the right shoe lies wholly on the sample
-constexpr double k_correlation_mm = 40;  // as in icp.cpp: lasts differ smoothly
-constexpr double k_last_sigma_mm = 0.1;  // a last that seems to differ less from the next does so by chance
-constexpr double k_rim_sigma_mm = 0.1;   // a collar's edge, as cut and scanned
-constexpr double k_rim_pieces = 12;
+    0.85;  // a partial scan of the right shoe lies wholly on the sample
 constexpr double k_max_direction_sigma_mm =
     0.5;  // beyond it the line misses its 0.35 mm at the 95th percentile
 
@@ -91,28 +87,30 @@ const char* words_of(const Twist& scaled_direction) {
 
 /// RMS over the line of how far it may be off, grading included: J covariance J^T with J of each of its
 /// points.
-double line_sigma_mm(const Sample& sample, const Fit& fit, Information H) {
-  for (Eigen::Index i = 0; i < H.rows(); ++i) {
-    if (H(i, i) <= 0) H(i, i) = 1;  // a tied factor: no column anywhere
-  }
+double line_sigma_mm(const Sample& sample, const Fit& fit, const Information& H) {
   const Information covariance = geometry::SymmetricSolver{H}.inverse();
   double sum = 0;
   for (const Vec3& p : sample.line_shoe) {
-    const LineJacobian J = line_jacobian(fit.icp.placement.grade, p, fit.tie, H.rows());
+    const LineJacobian J = line_jacobian(fit.icp.placement.grade, p, Vec2::Zero(), H.rows());
     sum += (J * covariance * J.transpose()).trace();
   }
   return std::sqrt(std::max(0.0, sum) / static_cast<double>(sample.line_shoe.size()));
 }
 
 /// Of another size: independent pieces of the wall and of the edge, each as uncertain as the next.
-Information graded_information(const Sample& sample, const Fit& fit, double shape_rms_mm) {
-  const double piece_per_surfel = square(sample.common.pitch_mm / k_correlation_mm);
+Information graded_information(const Sample& sample, const Fit& fit, const GradingLaw& law,
+                               double shape_rms_mm) {
+  const double piece_per_surfel = square(sample.common.pitch_mm / k_surface_correlation_mm);
   const double sigma_mm = std::max(k_last_sigma_mm, shape_rms_mm);
   Information H = fit.icp.information * (piece_per_surfel / square(sigma_mm));
+  H += law.pull(fit.icp.placement.grade).information;
   if (fit.rim_used) {
     const double pairs = fit.icp.rim_overlap_ratio * static_cast<double>(sample.rim.size());
     H += fit.icp.rim_information * (k_rim_pieces / pairs / square(k_rim_sigma_mm));
   }
+  if (fit.icp.line_pairs > 0)
+    H += fit.icp.line_information *
+         (k_line_pieces / static_cast<double>(fit.icp.line_pairs) / square(sigma_mm));
   return H;
 }
 
@@ -124,9 +122,10 @@ Information rigid_information(const Belief& belief) {
 }
 
 /// From the information: covariance, the line's own uncertainty, the weakest direction.
-void tell_uncertainty(const Sample& sample, const Fit& fit, Alignment& alignment) {
-  const Information H = fit.evidence.belief.empty() ? graded_information(sample, fit, alignment.shape_rms_mm)
-                                                    : rigid_information(fit.evidence.belief);
+void tell_uncertainty(const Sample& sample, const Fit& fit, const GradingLaw& law, Alignment& alignment) {
+  const Information H = fit.evidence.belief.empty()
+                            ? graded_information(sample, fit, law, alignment.shape_rms_mm)
+                            : rigid_information(fit.evidence.belief);
   alignment.information = H;
 
   // The weakest direction is told of the rigid part only.  About the line's centre, where turning and
@@ -147,10 +146,11 @@ void tell_uncertainty(const Sample& sample, const Fit& fit, Alignment& alignment
   const Eigen::Matrix<double, 6, 1> variances = values.cwiseMax(1e-12).cwiseInverse();
   alignment.weakest = {.sigma_mm = std::sqrt(variances[0]), .words = words_of(axes.col(0))};
   // Rims that move the line may be right or not: half of what they move it by stays in doubt.
-  alignment.line_sigma_mm = std::hypot(line_sigma_mm(sample, fit, H), fit.rim_shift_mm / 2);
+  alignment.rim_doubt_mm = fit.rim_shift_mm / 2;
+  alignment.line_sigma_mm = std::hypot(line_sigma_mm(sample, fit, H), alignment.rim_doubt_mm);
 }
 
-Alignment describe(const FitTask& task, const Fit& fit) {
+Alignment describe(const FitTask& task, const Fit& fit, const GradingLaw& law) {
   const IcpResult& icp = fit.icp;
   Alignment alignment{.placement = icp.placement,
                       .T_upper_sample = icp.placement.T_target_source * task.sample.T_base_shoe.inverse(),
@@ -162,7 +162,6 @@ Alignment describe(const FitTask& task, const Fit& fit) {
                       .rim_used = fit.rim_used,
                       .same_edge_ratio = fit.evidence.same_edge_ratio,
                       .rim_mm = icp.rim_mm,
-                      .rival_mm = fit.rival_mm,
                       .belief = fit.evidence.belief};
   alignment.compared.reserve(fit.pairs.size());
   for (const Pair& pair : fit.pairs) {
@@ -170,13 +169,13 @@ Alignment describe(const FitTask& task, const Fit& fit) {
                                   .difference_mm = static_cast<float>(pair.residual_mm)});
   }
   alignment.upper_overlap_ratio = upper_overlap_ratio(task.sample, task.upper, icp.placement);
-  tell_uncertainty(task.sample, fit, alignment);
+  tell_uncertainty(task.sample, fit, law, alignment);
   return alignment;
 }
 
 /// Aligned, or what of the common surface itself forbids it.
-Verdict judge(const Alignment& alignment, Freedom freedom) {
-  const double max_shape_rms_mm = freedom == Freedom::Rigid ? k_max_shape_rms_mm : k_max_graded_rms_mm;
+Verdict judge(const Alignment& alignment, const AlignOptions& options) {
+  const double max_shape_rms_mm = options.grade ? k_max_graded_rms_mm : k_max_shape_rms_mm;
   const bool upper_is_on_sample = alignment.upper_overlap_ratio >= k_min_upper_overlap_ratio;
   if (alignment.overlap_ratio < k_hopeless_overlap_ratio && upper_is_on_sample)
     return Verdict::TooLittleOverlap;
@@ -191,7 +190,8 @@ Verdict judge(const Alignment& alignment, Freedom freedom) {
 }
 
 /// The best of the two best starts, refined.
-Alignment best_alignment(const FitTask& task, const std::vector<IcpResult>& coarse, Freedom freedom) {
+Alignment best_alignment(const FitTask& task, const std::vector<IcpResult>& coarse,
+                         const AlignOptions& options) {
   constexpr std::size_t k_refined = 2;
   constexpr double k_hopeless_cost_ratio =
       10;  // the right start is at most a few times worse than another at the coarse pitch
@@ -201,16 +201,16 @@ Alignment best_alignment(const FitTask& task, const std::vector<IcpResult>& coar
   std::vector<Fit> fits(std::min(k_refined, static_cast<std::size_t>(hopeless - coarse.begin())));
   tbb::parallel_for(std::size_t{0}, fits.size(), [&](std::size_t i) {
     const Placement& start = coarse[i].placement;
-    fits[i] = freedom == Freedom::Graded ? fit_graded(task, start) : fit_rigid(task, start);
+    fits[i] = options.grade ? fit_graded(task, start, options.law) : fit_rigid(task, start);
   });
   std::sort(fits.begin(), fits.end(),
             [](const Fit& a, const Fit& b) { return a.icp.cost_mm2 < b.icp.cost_mm2; });
-  if (freedom == Freedom::Rigid) weigh(task, fits.front());
-  Alignment alignment = describe(task, fits.front());
+  if (!options.grade) weigh(task, fits.front());
+  Alignment alignment = describe(task, fits.front(), options.law);
   if (fits.size() > 1 && fits[1].icp.cost_mm2 > 0) {
     alignment.runner_up_ratio = fits[0].icp.cost_mm2 / fits[1].icp.cost_mm2;
   }
-  alignment.verdict = judge(alignment, freedom);
+  alignment.verdict = judge(alignment, options);
   return alignment;
 }
 
@@ -221,24 +221,39 @@ std::string sentence(const char* pattern, Arguments... arguments) {
 
 }  // namespace
 
+Alignment::OnLine Alignment::as_used(const OnLine& on_sample) const {
+  const auto turned = [&](const Vec3& v) { return mirrored ? Vec3{v.x(), -v.y(), v.z()} : v; };
+  return {.point = turned(on_sample.point), .normal = turned(on_sample.normal)};
+}
+
 Alignment::OnLine Alignment::placed(const OnLine& on_sample) const {
-  const auto as_used = [&](const Vec3& v) { return mirrored ? Vec3{v.x(), -v.y(), v.z()} : v; };
-  const Vec3 point = as_used(on_sample.point), normal = as_used(on_sample.normal);
+  const auto [point, normal] = as_used(on_sample);
   const Foot foot{.place = point.head<2>().cast<float>(),
                   .outward = normal.head<2>().normalized().cast<float>()};
   return {.point = placement.place(point, foot), .normal = placement.place_normal(normal)};
 }
 
+Alignment align_samples(const Sample& sample, const Sample& other, const AlignOptions& options) {
+  const std::optional<Sample> turned = options.mirror ? std::optional{mirrored(sample)} : std::nullopt;
+  const Sample& used = turned ? *turned : sample;
+  const Upper upper = upper_of(other);
+  const NearestTable table{upper.surfels, static_cast<float>(k_fine_reach_mm)};
+  const LineBeside line{other.line_shoe};
+  const FitTask task{.sample = used, .upper = upper, .upper_table = table, .upper_line = &line};
+  Alignment alignment = best_alignment(task, coarse_fits(used, upper, options), options);
+  alignment.mirrored = options.mirror;
+  return alignment;
+}
+
 Alignment align(const Sample& sample, const Upper& upper, const AlignOptions& options) {
-  const Freedom freedom = options.grade ? Freedom::Graded : Freedom::Rigid;
   const std::optional<Sample> turned = options.mirror ? std::optional{mirrored(sample)} : std::nullopt;
   const Sample& used = turned ? *turned : sample;
   std::optional<NearestTable> table;
   std::vector<IcpResult> coarse;
-  tbb::parallel_invoke([&] { coarse = coarse_fits(used, upper, freedom); },
+  tbb::parallel_invoke([&] { coarse = coarse_fits(used, upper, options); },
                        [&] { table.emplace(upper.surfels, static_cast<float>(k_fine_reach_mm)); });
   const FitTask task{.sample = used, .upper = upper, .upper_table = *table};
-  Alignment alignment = best_alignment(task, coarse, freedom);
+  Alignment alignment = best_alignment(task, coarse, options);
   alignment.mirrored = options.mirror;
   if (!options.grade && alignment.verdict != Verdict::OtherModel) {
     alignment.next_step =

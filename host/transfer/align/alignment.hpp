@@ -12,8 +12,9 @@
 namespace biteline::transfer {
 
 struct AlignOptions {
-  bool mirror{false};  ///< the sample is of the other foot
-  bool grade{false};   ///< the sample is of another size
+  bool mirror{false};           ///< the sample is of the other foot
+  bool grade{false};            ///< the sample is of another size
+  GradingLaw law{usual_law()};  ///< of that
 };
 
 enum class Verdict {
@@ -57,7 +58,7 @@ struct Alignment {
   bool rim_used{false};           ///< the two collars are taken for one edge
   double same_edge_ratio{0};      ///< probability that they are; 0: not both in view
   double rim_mm{0};
-  double rival_mm{0};         ///< graded: how far another reading of the sizes would move the line, RMS
+  double rim_doubt_mm{0};     ///< graded: half of how far the rims have moved the line, RMS
   Belief belief{};            ///< rigid: what is left open between the placement and the truth
   Information information{};  ///< inverse of the covariance; see IcpResult
   WeakDirection weakest{};
@@ -72,10 +73,15 @@ struct Alignment {
     Vec3 point, normal;
   };
   [[nodiscard]] OnLine placed(const OnLine& on_sample) const;
+  /// Of the other foot, where the sample was mirrored.
+  [[nodiscard]] OnLine as_used(const OnLine& on_sample) const;
 };
 
 /// Any place and yaw, tilt to 10 degrees.  Never fails: a refusal is an Alignment with its verdict and
 /// reason.
 [[nodiscard]] Alignment align(const Sample& sample, const Upper& upper, const AlignOptions& options);
+
+/// The same of another sample, onto its shoe frame.  Its line is known, too, and counts.
+[[nodiscard]] Alignment align_samples(const Sample& sample, const Sample& other, const AlignOptions& options);
 
 }  // namespace biteline::transfer

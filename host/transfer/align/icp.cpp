@@ -11,9 +11,7 @@
 namespace biteline::transfer {
 namespace {
 
-/// Places of the grade's parameters behind the six of the motion.
-enum Parameter : std::uint8_t { k_length = 6, k_width, k_section, k_height, k_offset };
-using Step = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, k_most_parameters, 1>;
+using Step = ParameterStep;
 
 // Steps below these move nothing on a shoe by more than 3 um.  Pairs change in whole surfels, so the last
 // steps may go to and fro by about 1 um and never end.
@@ -28,19 +26,14 @@ constexpr double k_kernel_sigmas = 3.0;
 constexpr std::size_t k_min_pairs = 20;
 // A shoe's height is fixed a hundredth as well as its width: it takes 3 % longer.
 constexpr double k_damping_ratio = 3e-4;
-constexpr double k_free_damping_ratio = 1e-6;
-// Lasts and stretched leather differ smoothly: 40 mm is half a shoe's height or width.
-constexpr double k_surface_correlation_mm = 40;
-// A collar is cut in one piece: as many independent places as it has sides and ends, twice.
-constexpr double k_rim_pieces = 12;
 
 double square(double value) {
   return value * value;
 }
 
 /// How a point beside the line moves with the parameters, in the source's frame: [I, -hat(s), the grade's], s
-/// = grade(p). A tied factor has no column of its own: what it does is the length's doing.
-LineJacobian point_jacobian(const Grade& grade, const Vec3& point, const Foot& foot, const GradeTie& tie,
+/// = grade(p).
+LineJacobian point_jacobian(const Grade& grade, const Vec3& point, const Foot& foot,
                             Eigen::Index parameters) {
   const Vec3 s = grade.apply(point, foot);
   LineJacobian J = LineJacobian::Zero(3, parameters);
@@ -49,16 +42,10 @@ LineJacobian point_jacobian(const Grade& grade, const Vec3& point, const Foot& f
   if (parameters != parameter_count(Freedom::Graded)) return J;
   J(0, k_length) = grade.length * foot.place.x();
   J(1, k_width) = grade.width * foot.place.y();
-  J.col(k_section).head<2>() = grade.section * (point.head<2>() - foot.place.cast<double>());
+  J(0, k_section_along) = grade.section_along * (point.x() - static_cast<double>(foot.place.x()));
+  J(1, k_section_across) = grade.section_across * (point.y() - static_cast<double>(foot.place.y()));
   J(2, k_height) = grade.height * point.z();
   J.col(k_offset).head<2>() = foot.outward.cast<double>();
-  const auto tied = [&](int parameter, const std::optional<double>& share, double factor) {
-    if (!share) return;
-    J.col(k_length) += *share * grade.length / factor * J.col(parameter);
-    J.col(parameter).setZero();
-  };
-  tied(k_section, tie.section_share, grade.section);
-  tied(k_height, tie.height_share, grade.height);
   return J;
 }
 
@@ -68,12 +55,10 @@ void apply(const Step& step, const IcpOptions& options, Placement& placement) {
   if (options.freedom != Freedom::Graded) return;
   grade.length *= 1 + step[k_length];
   grade.width *= 1 + step[k_width];
+  grade.section_along *= 1 + step[k_section_along];
+  grade.section_across *= 1 + step[k_section_across];
+  grade.height *= 1 + step[k_height];
   grade.offset_mm += step[k_offset];
-  const auto follow = [&](const std::optional<double>& share, double change, double& factor) {
-    factor = share ? 1 + *share * (grade.length - 1) : factor * (1 + change);
-  };
-  follow(options.tie.section_share, step[k_section], grade.section);
-  follow(options.tie.height_share, step[k_height], grade.height);
 }
 
 bool settled(const Step& step) {
@@ -87,11 +72,10 @@ bool settled(const Step& step) {
 /// Normal equations of one iteration.
 struct NormalEquations {
   Freedom freedom;
-  GradeTie tie;
   Information H;
   Step b;
 
-  explicit NormalEquations(const IcpOptions& options) : freedom{options.freedom}, tie{options.tie} {
+  explicit NormalEquations(const IcpOptions& options) : freedom{options.freedom} {
     H = Information::Zero(parameter_count(freedom), parameter_count(freedom));
     b = Step::Zero(parameter_count(freedom));
   }
@@ -105,12 +89,18 @@ struct NormalEquations {
     }
     for (const Pair& pair : pairs) {
       const Step J =
-          point_jacobian(placement.grade, pair.point, pair.foot, tie, parameter_count(freedom)).transpose() *
+          point_jacobian(placement.grade, pair.point, pair.foot, parameter_count(freedom)).transpose() *
           (placement.T_target_source.linear().transpose() * pair.direction);
       const double weight = weight_of_each / robust_divisor(pair, kernel_mm);
       H += weight * J * J.transpose();
       b -= weight * pair.residual_mm * J;
     }
+  }
+
+  /// A law that is known apart from all pairs.  `unit`: the weight of a residual whose variance is 1.
+  void add(const GradingLaw::Pull& pull, double unit) {
+    H += unit * pull.information;
+    b += unit * pull.gradient;
   }
 
   /// Damping keeps a direction that the surface does not fix from running away on noise; it changes how fast
@@ -121,9 +111,7 @@ struct NormalEquations {
       const Eigen::Index count = std::min<Eigen::Index>(3, H.rows() - first);
       const double mean = H.diagonal().segment(first, count).mean();
       damped.diagonal().segment(first, count).array() +=
-          (freedom == Freedom::Graded && tie.free_count() == 2 ? k_free_damping_ratio : k_damping_ratio) *
-              mean +
-          std::numeric_limits<double>::min();
+          k_damping_ratio * mean + std::numeric_limits<double>::min();
     }
     return damped.ldlt().solve(b);
   }
@@ -163,20 +151,26 @@ Information information_of(const std::vector<Pair>& pairs, const Placement& plac
 
 /// Both kinds of pairs under one placement.
 struct AllPairs {
-  std::vector<Pair> surface, rim;
+  std::vector<Pair> surface, rim, line;
 
   AllPairs(const Surfaces& surfaces, const Placement& placement, const IcpOptions& options)
       : surface{find_pairs(surfaces, placement, options)},
-        rim{find_rim_pairs(surfaces, placement, options.rim_reach_mm)} {}
+        rim{find_rim_pairs(surfaces, placement, options.rim_reach_mm)},
+        line{find_line_pairs(surfaces, placement, options.reach_mm)} {}
 };
 
 /// The surface's errors hang together over the distance at which one last differs from the next, those of the
 /// rim over a shorter one: what counts is how many independent pieces each has, not how many points.
-double rim_weight(const Surfels& source, std::size_t rim_pairs) {
-  if (rim_pairs == 0) return 0;
+double weight_of_each(const Surfels& source, std::size_t pairs, double pieces) {
+  if (pairs == 0) return 0;
   const double surface_pieces_per_surfel = square(source.pitch_mm / k_surface_correlation_mm);
-  const double rim_pieces_per_pair = k_rim_pieces / static_cast<double>(rim_pairs);
-  return rim_pieces_per_pair / surface_pieces_per_surfel;
+  return pieces / static_cast<double>(pairs) / surface_pieces_per_surfel;
+}
+
+/// Of a residual with variance 1, where a piece of the surface has that of two lasts and a surfel's pair
+/// weighs 1.
+double law_weight(const Surfels& source) {
+  return square(k_last_sigma_mm) / square(source.pitch_mm / k_surface_correlation_mm);
 }
 
 void summarise(const AllPairs& pairs, const Surfaces& surfaces, const IcpOptions& options,
@@ -191,6 +185,8 @@ void summarise(const AllPairs& pairs, const Surfaces& surfaces, const IcpOptions
   result.cost_mm2 = (sum + (all - count) * square(options.reach_mm)) / all;
   result.information = information_of(pairs.surface, result.placement, options);
   result.rim_information = information_of(pairs.rim, result.placement, options);
+  result.line_information = information_of(pairs.line, result.placement, options);
+  result.line_pairs = pairs.line.size();
   if (surfaces.source_rim != nullptr && surfaces.source_rim->size() > 0) {
     result.rim_overlap_ratio =
         static_cast<double>(pairs.rim.size()) / static_cast<double>(surfaces.source_rim->size());
@@ -208,14 +204,15 @@ double robust_sigma_mm(const std::vector<Pair>& pairs) {
   return geometry::k_sigma_per_mad * geometry::median_of(std::span<double>{magnitudes});
 }
 
-LineJacobian line_jacobian(const Grade& grade, const Vec3& point, const GradeTie& tie,
+LineJacobian line_jacobian(const Grade& grade, const Vec3& point, const Vec2& outward,
                            Eigen::Index parameters) {
-  return point_jacobian(grade, point, Foot{.place = point.head<2>().cast<float>()}, tie, parameters);
+  const Foot foot{.place = point.head<2>().cast<float>(), .outward = outward.cast<float>()};
+  return point_jacobian(grade, point, foot, parameters);
 }
 
 std::vector<Pair> find_pairs(const Surfaces& surfaces, const Placement& placement,
                              const IcpOptions& options) {
-  const auto& [source, target, table, source_rim, target_rim] = surfaces;
+  const Surfels &source = surfaces.source, &target = surfaces.target;
   std::vector<Pair> pairs;
   pairs.reserve(source.size());
   const double facing_mm = k_facing_pitches * target.pitch_mm;
@@ -223,7 +220,7 @@ std::vector<Pair> find_pairs(const Surfaces& surfaces, const Placement& placemen
     const Vec3 point = source.positions[i].cast<double>();
     const Foot foot = source.foot(i);
     const Vec3 placed = placement.place(point, foot);
-    const std::uint32_t near = table.near(placed.cast<float>());
+    const std::uint32_t near = surfaces.target_table.near(placed.cast<float>());
     if (near == NearestTable::k_none) continue;
     const Vec3 n_p = placement.place_normal(source.normals[i].cast<double>());
     const Vec3 n_q = target.normals[near].cast<double>();
@@ -267,6 +264,34 @@ std::vector<Pair> find_rim_pairs(const Surfaces& surfaces, const Placement& plac
   return pairs;
 }
 
+std::vector<Pair> find_line_pairs(const Surfaces& surfaces, const Placement& placement, double reach_mm) {
+  std::vector<Pair> pairs;
+  if (surfaces.source_line == nullptr || surfaces.target_line == nullptr) return pairs;
+  const std::vector<Vec3>& line = *surfaces.source_line;
+  for (std::uint32_t i = 0; i < line.size(); ++i) {
+    const Vec3 along = line[(i + 1) % line.size()] - line[i == 0 ? line.size() - 1 : i - 1];
+    const Foot foot{.place = line[i].head<2>().cast<float>(),
+                    .outward = Vec2{along.y(), -along.x()}.normalized().cast<float>()};
+    const Vec3 placed = placement.place(line[i], foot);
+    const LineBeside::Place beside = surfaces.target_line->at(placed);
+    const Vec2 outward = beside.foot.outward.cast<double>();
+    const double up_mm = placed.z() - beside.height_mm;
+    const double out_mm = (placed.head<2>() - beside.foot.place.cast<double>()).dot(outward);
+    if (std::hypot(up_mm, out_mm) > reach_mm) continue;
+    const auto add = [&](const Vec3& direction, double residual_mm) {
+      pairs.push_back({.source = i,
+                       .target = 0,
+                       .point = line[i],
+                       .foot = foot,
+                       .direction = direction,
+                       .residual_mm = residual_mm});
+    };
+    add(Vec3::UnitZ(), up_mm);
+    add({outward.x(), outward.y(), 0}, out_mm);
+  }
+  return pairs;
+}
+
 IcpResult run_icp(const Surfaces& surfaces, const Placement& start, const IcpOptions& options) {
   IcpResult result{.placement = start};
   AllPairs pairs{surfaces, start, options};
@@ -278,7 +303,11 @@ IcpResult run_icp(const Surfaces& surfaces, const Placement& start, const IcpOpt
     equations.add(pairs.surface, result.placement, k_kernel_sigmas * sigma_mm, 1);
     const double rim_sigma_mm = std::max(options.least_scale_mm, robust_sigma_mm(pairs.rim));
     equations.add(pairs.rim, result.placement, k_kernel_sigmas * rim_sigma_mm,
-                  rim_weight(surfaces.source, pairs.rim.size()));
+                  weight_of_each(surfaces.source, pairs.rim.size(), k_rim_pieces));
+    equations.add(pairs.line, result.placement, 0,
+                  weight_of_each(surfaces.source, pairs.line.size(), k_line_pieces));
+    if (options.freedom == Freedom::Graded)
+      equations.add(options.law.pull(result.placement.grade), law_weight(surfaces.source));
     Step step = equations.solve();
     // Pairs are only known within reach: a longer step is a guess.
     const double length_mm = step.head<3>().norm();

@@ -10,71 +10,16 @@
 #include <vector>
 
 #include "common/geometry/se3.hpp"
+#include "host/transfer/align/grade.hpp"
+#include "host/transfer/align/line_beside.hpp"
 #include "host/transfer/align/nearest_table.hpp"
 #include "host/transfer/align/rim.hpp"
 #include "host/transfer/align/surfels.hpp"
 
 namespace biteline::transfer {
 
-/// How a shoe of one size becomes one of another: its outline by length and width, then moved outward by an
-/// even offset (the line lies inside the outline that is graded, by the depth of the groove); its upright
-/// sections as a whole.  A last graded by length only keeps its sections (section 1), an enlarged one has all
-/// three alike and no offset.
-struct Grade {
-  double length{1}, width{1};
-  double section{1};  ///< of the wall's way in and out beside the outline
-  double height{1};
-  double offset_mm{0};
-
-  /// A point of the shoe frame and the line's place beside it.
-  [[nodiscard]] Vec3 apply(const Vec3& point, const Foot& foot) const {
-    const double x = foot.place.x(), y = foot.place.y();
-    return {length * x + section * (point.x() - x) + offset_mm * foot.outward.x(),
-            width * y + section * (point.y() - y) + offset_mm * foot.outward.y(), height * point.z()};
-  }
-  /// The outline's normal turns with the outline; its rise is the section's.
-  [[nodiscard]] Vec3 apply_normal(const Vec3& normal) const {
-    if (is_none()) return normal.normalized();
-    const Vec2 level{normal.x() / length, normal.y() / width};
-    const double before = normal.head<2>().norm(), after = level.norm();
-    if (after <= 0) return normal;
-    return Vec3{level.x() * before / after, level.y() * before / after, normal.z() * section / height}
-        .normalized();
-  }
-  [[nodiscard]] bool is_none() const {
-    return length == 1 && width == 1 && section == 1 && height == 1 && offset_mm == 0;
-  }
-  [[nodiscard]] double largest_change() const {
-    return std::max({std::abs(length - 1), std::abs(width - 1), std::abs(section - 1), std::abs(height - 1)});
-  }
-};
-
-/// p_target = T_target_source * grade(p_source).
-struct Placement {
-  SE3 T_target_source{SE3::Identity()};
-  Grade grade{};
-
-  [[nodiscard]] Vec3 place(const Vec3& point, const Foot& foot) const {
-    return T_target_source * grade.apply(point, foot);
-  }
-  [[nodiscard]] Vec3 place_normal(const Vec3& normal) const {
-    return T_target_source.linear() * grade.apply_normal(normal);
-  }
-};
-
-/// What may change.  Graded: length, width, section, height and offset, each for itself or tied.
+/// What may change.  Graded: its factors and offset, too, weighed against a law.
 enum class Freedom { Rigid, Graded };
-
-/// How the sections follow the length: factor = 1 + share * (length - 1); 0: they stay, 1: they grow as it
-/// does. Without a share it is free.
-struct GradeTie {
-  std::optional<double> section_share{};
-  std::optional<double> height_share{};
-
-  [[nodiscard]] int free_count() const { return (section_share ? 0 : 1) + (height_share ? 0 : 1); }
-};
-
-inline constexpr int k_most_parameters = 11;
 [[nodiscard]] constexpr int parameter_count(Freedom freedom) {
   return freedom == Freedom::Rigid ? 6 : k_most_parameters;
 }
@@ -85,20 +30,22 @@ struct IcpOptions {
   double least_scale_mm{0.05};    ///< the robust kernel is never tighter: the roughness of a surface
   int max_iterations{30};
   Freedom freedom{Freedom::Rigid};
-  GradeTie tie{};          ///< of Freedom::Graded
-  double rim_reach_mm{1};  ///< rims farther apart do not count
+  GradingLaw law{usual_law()};  ///< of Freedom::Graded
+  double rim_reach_mm{1};       ///< rims farther apart do not count
 };
-
-/// Information of the estimate's parameters: right perturbation [rho; theta] of T_target_source (mm, rad),
-/// then relative changes of the grade (uniform: 1, graded: length, width, section, height) and its offset
-/// (mm).  Unit weight: divide by the variance of a residual.
-using Information =
-    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, k_most_parameters, k_most_parameters>;
 
 /// How a point of the sample's line moves with the parameters, source's frame.
 using LineJacobian = Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, k_most_parameters>;
-[[nodiscard]] LineJacobian line_jacobian(const Grade& grade, const Vec3& point, const GradeTie& tie,
+[[nodiscard]] LineJacobian line_jacobian(const Grade& grade, const Vec3& point, const Vec2& outward,
                                          Eigen::Index parameters);
+
+// A collar is cut in one piece: as many independent places as it has sides and ends, twice.  Lines of two
+// samples differ as their lasts do, over some 40 mm, each up and out.
+inline constexpr double k_rim_pieces = 12, k_line_pieces = 30;
+// Lasts and stretched leather differ smoothly: 40 mm is half a shoe's height or width.
+inline constexpr double k_surface_correlation_mm = 40;
+inline constexpr double k_last_sigma_mm = 0.1;  ///< a last that seems to differ less does so by chance
+inline constexpr double k_rim_sigma_mm = 0.1;   ///< a collar's edge, as cut and scanned
 
 struct IcpResult {
   Placement placement{};
@@ -110,8 +57,10 @@ struct IcpResult {
   double cost_mm2{0};  ///< mean over all source surfels of min(residual², reach²), no pair counting as reach²
   double rim_mm{0};  ///< 1.4826 times the median of |residual| over the rims' pairs
   double rim_overlap_ratio{0};
-  Information information{};  ///< of the surfels' pairs, each of weight 1
+  std::size_t line_pairs{0};
+  Information information{};  ///< of the surfels' pairs, each of weight 1: divide by a residual's variance
   Information rim_information{};
+  Information line_information{};
 };
 
 /// What is moved, and what it is moved onto.  References only for the call.
@@ -121,6 +70,8 @@ struct Surfaces {
   const NearestTable& target_table;
   const Rim* source_rim{nullptr};  ///< both or neither
   const Rim* target_rim{nullptr};
+  const std::vector<Vec3>* source_line{nullptr};  ///< bite lines of two samples; both or neither
+  const LineBeside* target_line{nullptr};
 };
 
 /// Symmetric objective (Rusinkiewicz 2019, "A symmetric objective function for ICP", eq. (9)): the residual
@@ -150,5 +101,10 @@ struct Pair {
 /// Pairs of the rims (see rim.hpp); none where a rim is missing.
 [[nodiscard]] std::vector<Pair> find_rim_pairs(const Surfaces& surfaces, const Placement& placement,
                                                double reach_mm);
+
+/// Of each place of the source's line two: its height and how far out it is, against the target's line beside
+/// it; none where a line is missing.
+[[nodiscard]] std::vector<Pair> find_line_pairs(const Surfaces& surfaces, const Placement& placement,
+                                                double reach_mm);
 
 }  // namespace biteline::transfer

@@ -104,4 +104,11 @@ Result<Upper> prepare_upper(const cloud::PointCloud& cloud) {
   return upper;
 }
 
+Upper upper_of(const Sample& sample) {
+  return {.axes = shoe_axes(sample.common),
+          .surfels = sample.common,
+          .surfels_coarse = sample.common_coarse,
+          .rim = sample.rim};
+}
+
 }  // namespace biteline::transfer

@@ -56,6 +56,9 @@ struct Upper {
 /// Turned by half a turn about base's x.
 [[nodiscard]] Upper turned_over(const Upper& upper);
 
+/// What of a sample an upper has too, in its shoe frame.
+[[nodiscard]] Upper upper_of(const Sample& sample);
+
 /// The sample as of the other foot: its shoe frame's y turned round.
 [[nodiscard]] Sample mirrored(const Sample& sample);
 

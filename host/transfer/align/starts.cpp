@@ -12,7 +12,6 @@ namespace biteline::transfer {
 namespace {
 
 constexpr double k_rad_per_deg = std::numbers::pi / 180;
-constexpr double k_start_share = 0.5;  // of another size: sections grow as the length, or stay
 constexpr double k_same_mm = 5;
 constexpr double k_same_rad = 5 * k_rad_per_deg;
 
@@ -66,13 +65,12 @@ Surfels graded(const Surfels& surfels, const Grade& grade) {
   return out;
 }
 
-/// By length alone; the sections at first half as much.
-Grade start_grade(const Sample& sample, const Upper& upper, Freedom freedom) {
-  if (freedom == Freedom::Rigid) return {};
+/// By length, and what the law makes of that.
+Grade start_grade(const Sample& sample, const Upper& upper, const AlignOptions& options) {
+  if (!options.grade) return {};
   // The common part's own length, not the sample's: its sole is longer than its upper.
   const double factor = std::clamp(upper.axes.length_mm / shoe_axes(sample.common).length_mm, 0.7, 1.4);
-  const double section = 1 + k_start_share * (factor - 1);
-  return {.length = factor, .width = factor, .section = section, .height = section};
+  return options.law.at_length(factor);
 }
 
 bool alike(const Placement& a, const Placement& b, const Vec3& centre) {
@@ -119,8 +117,8 @@ std::vector<IcpResult> different_ones(std::vector<IcpResult> fits, const Vec3& c
   return different;
 }
 
-std::vector<IcpResult> coarse_fits(const Sample& sample, const Upper& upper, Freedom freedom) {
-  const Grade grade = start_grade(sample, upper, freedom);
+std::vector<IcpResult> coarse_fits(const Sample& sample, const Upper& upper, const AlignOptions& options) {
+  const Grade grade = start_grade(sample, upper, options);
   const std::vector<Placement> placements = starts(graded(sample.common_coarse, grade), upper, grade);
   const NearestTable wide{upper.surfels_coarse, static_cast<float>(k_coarse_reach_mm)};
   const Surfaces surfaces{
@@ -135,8 +133,8 @@ std::vector<IcpResult> coarse_fits(const Sample& sample, const Upper& upper, Fre
                       {.reach_mm = k_middle_reach_mm,
                        .least_scale_mm = 0.5,
                        .max_iterations = 20,
-                       .freedom = freedom,
-                       .tie = {.section_share = k_start_share, .height_share = k_start_share}});
+                       .freedom = options.grade ? Freedom::Graded : Freedom::Rigid,
+                       .law = options.law});
   });
   return different_ones(std::move(fits), mean_of(sample.common_coarse));
 }

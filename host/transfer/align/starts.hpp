@@ -20,6 +20,7 @@ inline constexpr double k_middle_reach_mm = 12;
 [[nodiscard]] std::vector<IcpResult> different_ones(std::vector<IcpResult> fits, const Vec3& centre);
 
 /// As different_ones().  At least one.
-[[nodiscard]] std::vector<IcpResult> coarse_fits(const Sample& sample, const Upper& upper, Freedom freedom);
+[[nodiscard]] std::vector<IcpResult> coarse_fits(const Sample& sample, const Upper& upper,
+                                                 const AlignOptions& options);
 
 }  // namespace biteline::transfer

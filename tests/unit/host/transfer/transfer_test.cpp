@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "host/transfer/transfer.hpp"
+#include "host/transfer/grading.hpp"
 
 #include <CppUTest/TestHarness.h>
 
@@ -9,6 +10,7 @@
 #include "tests/support/errors.hpp"
 #include "tests/support/made_cloud.hpp"
 #include "tests/support/made_pair.hpp"
+#include "tests/support/made_sizes.hpp"
 #include "tests/support/refusals.hpp"
 
 namespace biteline::transfer {
@@ -105,40 +107,65 @@ TEST(Transfer, AnUpperThatIsPushedWhileItIsScannedGetsNoLine) {
   DOUBLES_EQUAL(0, transfer_line(sample(), pair.upper_cloud, {}).seam.value().moved_mm, 0.1);
 }
 
-TEST(Transfer, OneSampleServesOtherSizesWithinItsBound) {
-  // How a factory grades is not known: by length alone with the sections as they are; all alike; the plan
-  // alone, or each axis by a rule of its own.
-  struct Row {
-    double length_mm;
-    bool outline_only;
-    Vec3 share;  ///< of the change in length that each axis takes, where not the outline only
-    bool is_line{true};
-  };
-  for (const Row& row : {Row{235, true, {}}, Row{305, true, {}}, Row{235, false, {1, 1, 1}},
-                         Row{305, false, {1, 1, 0}}, Row{235, false, {1, 0.7, 0.5}, false}}) {
-    const double ratio = row.length_mm / 270;
-    sim::ShoeParameters size = sim::draw_shoe(sim::ShoeClass::Deep, 6);
-    if (row.outline_only) size.outline.length_mm *= ratio;
-    const sim::MadeShoe upper{sim::bare_upper_of(size, 0.15, 9)};
-    cloud::ClosedLine truth =
-        test::as_line(sim::carried_line(sim::true_line(sim::MadeShoe{size}, 1.0), upper), SE3::Identity());
-    cloud::PointCloud cloud = test::scanned(upper.parameters(), SE3::Identity(), k_scan);
-    const Vec3 factors = row.outline_only ? Vec3{Vec3::Ones()} : Vec3{Vec3::Ones() + (ratio - 1) * row.share};
-    const auto placed = [&](const Vec3& p) { return Vec3{pair.T_base_upper * p.cwiseProduct(factors)}; };
-    for (Eigen::Vector3f& p : cloud.points) p = placed(p.cast<double>()).cast<float>();
-    for (cloud::LinePoint& p : truth.points) p.position = placed(p.position);
-    CHECK_FALSE(transfer_line(sample(), cloud, {}).found);
-    const Transfer sut = transfer_line(sample(), cloud, {.align = {.grade = true}});
-    if (!row.is_line) {  // a rule of its own for each axis leaves more than a millimetre open
-      CHECK(sut.refusal && sut.refusal->code == Refused::TooMuchUnsure);
-      CHECK_COMPARE(sut.bound_mm, >, cloud::k_sure_mm);
-      continue;
-    }
+TEST(Transfer, OneSampleServesTheNextSizesWithinItsBound) {
+  // How the factory grades is not known: its law lies somewhere about the usual one.
+  const test::FactoryLaw law{.width = {.share = 0.9}, .height = {.share = 0.4}};
+  const test::MadeModel model{sim::ShoeClass::Deep, 6, law, k_scan};
+  const ReadySample one{model.sample(0)};
+  for (const double change : {-0.025, 0.025}) {
+    const SampleFiles upper = model.upper(change, false, 9, pair.T_base_upper);
+    CHECK_FALSE(transfer_line(one, upper.cloud, {}).found);
+    const Transfer sut = transfer_line(one, upper.cloud, {.align = {.grade = true}});
     CHECK_TEXT(sut.found, sut.reason().c_str());
-    const double error_mm = mean_error_mm(sut.carried.line, truth);
-    CHECK(error_mm < 0.4);  // the bar
-    CHECK(error_mm < sut.bound_mm);
+    CHECK_COMPARE(mean_error_mm(sut.carried.line, upper.line), <, sut.bound_mm);
+    CHECK_COMPARE(sut.bound_mm, <, cloud::k_sure_mm);
   }
+  // Four sizes away nobody knows enough.
+  const SampleFiles far = model.upper(0.1, false, 9, pair.T_base_upper);
+  const Transfer sut = transfer_line(one, far.cloud, {.align = {.grade = true}});
+  CHECK(sut.refusal && sut.refusal->code == Refused::TooMuchUnsure);
+  CHECK_COMPARE(sut.bound_mm, >, cloud::k_sure_mm);
+}
+
+TEST(Transfer, TwoSamplesTeachHowTheirFactoryGrades) {
+  // Its heights do not grow in a line: over a tenth they take 30 % less than that.
+  const test::FactoryLaw law{.width = {.share = 0.65}, .height = {.share = 0.6, .bend = -3}};
+  const test::MadeModel model{sim::ShoeClass::Deep, 6, law, k_scan};
+  constexpr double k_small = -0.05, k_large = 0.05;
+  const ReadySample small{model.sample(k_small)}, large{model.sample(k_large)};
+  const Result<TaughtGrading> taught = teach_grading(*small.prepared(), *large.prepared());
+  SUCCEEDS(taught);
+  const auto share = [&](const test::FactoryLaw::Rule& rule) {
+    return (rule.at(k_large) / rule.at(k_small) - 1) / ((1 + k_large) / (1 + k_small) - 1);
+  };
+  // 0.02: a fifth of a millimetre over a tenth more length, at 100 mm.
+  DOUBLES_EQUAL(share(law.width), taught->law.width.mean, 0.02);
+  DOUBLES_EQUAL(share(law.height), taught->law.height.mean, 0.02);
+
+  for (const double change : {-0.1, 0.0, 0.1}) {
+    const bool other_foot = change > 0;
+    const SampleFiles upper = model.upper(change, other_foot, 9, pair.T_base_upper);
+    const Result<Transfer> sut =
+        transfer_by_two({&small, &large}, upper.cloud, {.align = {.mirror = other_foot}});
+    SUCCEEDS(sut);
+    CHECK_TEXT(sut->found, sut->reason().c_str());
+    CHECK_COMPARE(mean_error_mm(sut->carried.line, upper.line), <, sut->bound_mm);
+    CHECK_COMPARE(sut->bound_mm, <, cloud::k_sure_mm);
+    // By the nearer one.
+    CHECK_COMPARE(std::abs(sut->alignment.placement.grade.length - 1), <, 0.06);
+  }
+}
+
+TEST(Transfer, SamplesOfOneSizeOrOfTwoModelsTeachNothing) {
+  const test::MadeModel model{sim::ShoeClass::Deep, 6, {}, k_scan},
+      other{sim::ShoeClass::Deep, 8, {}, k_scan};
+  const ReadySample one{model.sample(0)}, same{model.sample(0.005)}, stranger{other.sample(0.05)};
+  const Result<TaughtGrading> of_same = teach_grading(*one.prepared(), *same.prepared());
+  CHECK(!of_same);
+  STRCMP_CONTAINS("nearly one size", to_line(of_same.error()).c_str());
+  const Result<TaughtGrading> of_strangers = teach_grading(*one.prepared(), *stranger.prepared());
+  CHECK(!of_strangers);
+  STRCMP_CONTAINS("no two sizes of one model", to_line(of_strangers.error()).c_str());
 }
 
 TEST(Transfer, AMirroredSampleServesTheOtherFoot) {
