@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <random>
 
+#include "host/transfer/grading.hpp"
 #include "tests/support/errors.hpp"
 #include "tests/support/made_cloud.hpp"
 #include "tests/support/made_pair.hpp"
