@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 #include "host/transfer/transfer.hpp"
-#include "host/transfer/grading.hpp"
 
 #include <CppUTest/TestHarness.h>
 
