@@ -23,10 +23,15 @@ Result<TaughtGrading> teach_grading(const Sample& sample, const Sample& other, b
   const Grade& grade = found.placement.grade;
   const double change = grade.length - 1;
   if (!found.accepted())
-    return fail(Errc::Refused, "the samples are no two sizes of one model: %.2f mm RMS apart over %.0f %%",
-                found.shape_rms_mm, 100 * found.overlap_ratio);
+    return fail(
+        Errc::Refused,
+        "the samples are no two sizes of one model and foot: %.2f mm RMS apart over %.0f %%; take two of one",
+        found.shape_rms_mm, 100 * found.overlap_ratio);
   if (std::abs(change) < k_least_change)
-    return fail(Errc::Refused, "the samples are of nearly one size: %.1f %% longer", 100 * change);
+    return fail(Errc::Refused,
+                "the samples are of nearly one size: %.1f %% apart in length (at least %.0f %%); take one "
+                "that is some sizes away",
+                std::abs(100 * change), 100 * k_least_change);
   const Information covariance = geometry::SymmetricSolver{found.information}.inverse();
   const auto share = [&](int parameter, double value, double least) {
     const double mean = value / change;

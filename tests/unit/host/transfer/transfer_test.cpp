@@ -165,7 +165,7 @@ TEST(Transfer, SamplesOfOneSizeOrOfTwoModelsTeachNothing) {
   STRCMP_CONTAINS("nearly one size", to_line(of_same.error()).c_str());
   const Result<TaughtGrading> of_strangers = teach_grading(*one.prepared(), *stranger.prepared());
   CHECK(!of_strangers);
-  STRCMP_CONTAINS("no two sizes of one model", to_line(of_strangers.error()).c_str());
+  STRCMP_CONTAINS("no two sizes of one model and foot", to_line(of_strangers.error()).c_str());
 }
 
 TEST(Transfer, AMirroredSampleServesTheOtherFoot) {
