@@ -209,6 +209,8 @@ Process read_all(YamlReader& reader) {
   process.start = read_start(reader);
   process.digital_output =
       static_cast<int>(reader.integer_or("digital_output", -1, {.minimum = -1, .maximum = 7}));
+  if (const std::string foot = reader.choice_or_first("foot", {"any", "left", "right"}); foot != "any")
+    process.foot = foot;
   for (YamlReader& zone : reader.children("zones", k_most_zones))
     process.zones.push_back(read_zone(zone, process));
   check_stall(reader, process);

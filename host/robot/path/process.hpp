@@ -151,6 +151,7 @@ struct Process {
   GateLimits gate{};
   Start start{Start::Auto};
   int digital_output{-1};     ///< switched on along the line; -1: none
+  std::string foot{};         ///< that its stretches are told on, left or right; empty: on either one
   std::vector<Zone> zones{};  ///< where two meet, the first one counts
 };
 

@@ -78,6 +78,23 @@ std::vector<Run> runs_where(std::size_t count, Taken taken) {
 
 }  // namespace
 
+Process on_foot(Process process, const std::string& foot) {
+  if (foot.empty() || process.foot.empty() || process.foot == foot) return process;
+  process.foot = foot;
+  for (Zone& zone : process.zones) {
+    // Clockwise from the heel's end on the one foot is anticlockwise on the other.
+    const double from = zone.from_ratio;
+    zone.from_ratio = 1 - zone.to_ratio;
+    zone.to_ratio = 1 - from;
+  }
+  return process;
+}
+
+bool needs_foot(const Process& process) {
+  const auto stretch = [](const Zone& zone) { return zone.where == Zone::Where::Stretch; };
+  return !process.foot.empty() && std::ranges::any_of(process.zones, stretch);
+}
+
 ShoeEnds shoe_ends(std::span<const Vec3> line) {
   const auto count = static_cast<double>(line.size());
   Vec2 mean = Vec2::Zero();

@@ -45,6 +45,12 @@ struct Run {
 [[nodiscard]] std::vector<Run> runs_along(std::span<const PlaceWork> work, const Process& process,
                                           std::size_t entry, std::size_t overlap);
 
+/// Its stretches as they lie on a shoe of this foot: mirrored where the process tells them on the other one.
+/// As it is where the process, or `foot`, says nothing.
+[[nodiscard]] Process on_foot(Process process, const std::string& foot);
+/// It has stretches of one foot, so that nobody knows where they lie on a shoe whose foot nobody knows.
+[[nodiscard]] bool needs_foot(const Process& process);
+
 /// Heel and toe can be told apart, something is left to work, and no run is too short for the tool to come to
 /// its speed.  Empty for a process without zones.  Pre: the line passed check_line().
 [[nodiscard]] std::vector<Check> check_zones(const cloud::ClosedLine& line, const Process& process);

@@ -45,6 +45,11 @@ TEST_GROUP(Zones) {
   static Zone left_out(Zone::Where where, double reach_ratio) {
     return {.name = "left out", .where = where, .reach_ratio = reach_ratio, .left_out = true};
   }
+  /// Share of the line, from the heel's end anticlockwise, where the middle of zone 0 lies.
+  static double middle_ratio(const Process& process) {
+    const Zone& zone = process.zones[0];
+    return (zone.from_ratio + zone.to_ratio) / 2;
+  }
   PlanRequest request() const {
     PlanRequest asked{.line = line,
                       .process = *read_process(std::filesystem::path{BITELINE_PROCESSES} / "grind.yaml"),
@@ -57,6 +62,36 @@ TEST_GROUP(Zones) {
     return asked;
   }
 };
+
+TEST(Zones, AStretchOfALeftShoeLiesMirroredOnARightOne) {
+  process.foot = "left";
+  process.zones = {{.name = "inner side", .from_ratio = 0.15, .to_ratio = 0.35}};
+  const Process right = on_foot(process, "right");
+  DOUBLES_EQUAL(0.65, right.zones[0].from_ratio, 1e-12);
+  DOUBLES_EQUAL(0.85, right.zones[0].to_ratio, 1e-12);
+  // Told of a right one now: a second time changes nothing.
+  DOUBLES_EQUAL(0.75, middle_ratio(on_foot(right, "right")), 1e-12);
+  DOUBLES_EQUAL(0.25, middle_ratio(on_foot(right, "left")), 1e-12);
+}
+
+TEST(Zones, AStretchOverTheHeelStaysOverTheHeel) {
+  process.foot = "right";
+  process.zones = {{.name = "heel", .from_ratio = 0.9, .to_ratio = 0.05}};
+  const Process left = on_foot(process, "left");
+  DOUBLES_EQUAL(0.95, left.zones[0].from_ratio, 1e-12);
+  DOUBLES_EQUAL(0.1, left.zones[0].to_ratio, 1e-12);
+}
+
+TEST(Zones, WithoutAFootAStretchLiesWhereItIsTold) {
+  process.zones = {{.name = "stretch", .from_ratio = 0.15, .to_ratio = 0.35}};
+  DOUBLES_EQUAL(0.25, middle_ratio(on_foot(process, "right")), 1e-12);
+  CHECK_FALSE(needs_foot(process));
+  process.foot = "left";
+  DOUBLES_EQUAL(0.25, middle_ratio(on_foot(process, "")), 1e-12);
+  CHECK_TRUE(needs_foot(process));
+  process.zones[0].where = Zone::Where::Heel;
+  CHECK_FALSE(needs_foot(process));
+}
 
 TEST(Zones, HeelAndToeAreToldApartHoweverTheShoeLies) {
   for (const double turn_rad : {0.0, 1.0, 2.5, 4.0}) {
