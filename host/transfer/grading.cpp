@@ -12,8 +12,8 @@ namespace {
 
 // The next half size is 1.2 % longer.
 constexpr double k_least_change = 0.01;
-// Laws are lines over the sizes in the main; between two samples one bends by so much of what it takes.
-constexpr double k_bend = 0.2;
+// Laws are lines over the sizes in the main.  One that bends takes a fifth more or less a tenth farther on.
+constexpr double k_bend = 2;
 constexpr double k_least_share = 0.3;
 
 }  // namespace
@@ -36,15 +36,16 @@ Result<TaughtGrading> teach_grading(const Sample& sample, const Sample& other, b
   const auto share = [&](int parameter, double value, double least) {
     const double mean = value / change;
     const double measured = std::sqrt(std::max(0.0, covariance(parameter, parameter))) / std::abs(change);
-    return GradingLaw::Share{.mean = mean,
-                             .sigma = std::hypot(measured, k_bend * std::max(std::abs(mean), least))};
+    return GradingLaw::Share{
+        .mean = mean, .sigma = measured, .bend = k_bend * std::max(std::abs(mean), least)};
   };
   return TaughtGrading{
       .law = {.width = share(k_width, grade.width - 1, k_least_share),
               .section_along = share(k_section_along, grade.section_along - 1, k_least_share),
               .section_across = share(k_section_across, grade.section_across - 1, k_least_share),
               .height = share(k_height, grade.height - 1, k_least_share),
-              .offset_mm = share(k_offset, grade.offset_mm, 1)},
+              .offset_mm = share(k_offset, grade.offset_mm, 1),
+              .taught_at = change},
       .between = grade,
       .shape_rms_mm = found.shape_rms_mm};
 }
@@ -52,13 +53,15 @@ Result<TaughtGrading> teach_grading(const Sample& sample, const Sample& other, b
 GradingLaw law_from(const GradingLaw& law, const Grade& between) {
   const auto from = [&](const GradingLaw::Share& share, double factor) {
     const double times = between.length / factor;
-    return GradingLaw::Share{.mean = share.mean * times, .sigma = share.sigma * times};
+    return GradingLaw::Share{
+        .mean = share.mean * times, .sigma = share.sigma * times, .bend = share.bend * times};
   };
   return {.width = from(law.width, between.width),
           .section_along = from(law.section_along, between.section_along),
           .section_across = from(law.section_across, between.section_across),
           .height = from(law.height, between.height),
-          .offset_mm = from(law.offset_mm, 1)};
+          .offset_mm = from(law.offset_mm, 1),
+          .taught_at = 1 / between.length - 1};
 }
 
 Result<Transfer> transfer_by_two(const std::array<const ReadySample*, 2>& samples,

@@ -75,9 +75,10 @@ struct Manifest {
 /// The optional texts of a manifest.
 template <class Made>
 auto texts_of(Made& made) {
-  return std::array{std::pair{"time", &made.time},       std::pair{"scan", &made.scan},
-                    std::pair{"process", &made.process}, std::pair{"size", &made.size},
-                    std::pair{"foot", &made.foot},       std::pair{"program", &made.program}};
+  return std::array{
+      std::pair{"time", &made.time}, std::pair{"scan", &made.scan}, std::pair{"process", &made.process},
+      std::pair{"size", &made.size}, std::pair{"foot", &made.foot}, std::pair{"program", &made.program},
+      std::pair{"of", &made.of}};
 }
 
 std::string manifest_text(const std::string& name, const Manifest& manifest) {
@@ -236,6 +237,10 @@ fs::path Library::default_folder() {
 Result<ModelInfo> Library::save(const std::string& name, const fs::path& sample_folder,
                                 const SaveOptions& options) const {
   BITELINE_TRY(check_name(name));
+  if (!options.made.of.empty()) BITELINE_TRY(check_name(options.made.of));
+  if (const std::string& foot = options.made.foot; !foot.empty() && foot != "left" && foot != "right")
+    return fail(Errc::InvalidArgument, "model %s: foot '%.40s': left or right expected", name.c_str(),
+                foot.c_str());
   const bool replaces = has(name);
   if (replaces && !options.replace) {
     return fail(Errc::InvalidArgument, "model %s exists in %.120s; say --replace, or choose another name",
@@ -283,6 +288,13 @@ Result<ModelInfo> Library::info(const std::string& name) const {
   ModelInfo damaged{.name = name};
   damaged.damage = manifest.error();
   return damaged;
+}
+
+Result<ModelMade> Library::made(const std::string& name) const {
+  BITELINE_TRY(check_name(name));
+  if (!has(name)) return fail(Errc::FileNotFound, "no model %s in %s", name.c_str(), folder_.c_str());
+  BITELINE_ASSIGN(const Manifest manifest, read_manifest(name, path_of(name)));
+  return manifest.made;
 }
 
 Result<ModelInfo> Library::undo(const std::string& name) const {

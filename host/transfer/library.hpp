@@ -16,6 +16,7 @@ namespace biteline::transfer {
 struct ModelMade {
   std::string time;  ///< UTC, ISO 8601
   std::string scan, process, size, foot, program;
+  std::string of;  ///< the model that this is a sample of; empty: the one of its own name
   int version{1};  ///< goes up when a model is replaced
 };
 
@@ -55,6 +56,8 @@ class Library {
                                        const SaveOptions& options = {}) const;
   [[nodiscard]] bool has(const std::string& name) const;
   [[nodiscard]] Result<ModelInfo> info(const std::string& name) const;
+  /// Of its model.json alone: the other files may be damaged.
+  [[nodiscard]] Result<ModelMade> made(const std::string& name) const;
   /// What was replaced or removed last under this name comes back; what stood there takes its place.
   [[nodiscard]] Result<ModelInfo> undo(const std::string& name) const;
 

@@ -27,6 +27,8 @@ std::span<const report::RefusalRow<Refused>> refusal_table(Refused) {
       Row{SeveralModelsFit, "several_models_fit", "name the model with --sample"},
       Row{ModelNotSure, "model_not_sure", "name the model with --sample"},
       Row{NoModelFits, "no_model_fits", "save a sample of this model with biteline model save"},
+      Row{OrderDisagrees, "order_disagrees",
+          "look whether this is the shoe that was ordered; then name its model"},
   };
   return k_rows;
 }

@@ -27,6 +27,7 @@ enum class Refused {
   SeveralModelsFit,       ///< without --sample: two models fit
   ModelNotSure,           ///< without --sample: one model fits, but not well enough to be named
   NoModelFits,            ///< without --sample: none fits
+  OrderDisagrees,         ///< another model, foot or size was ordered than the shape shows
 };
 
 [[nodiscard]] std::span<const report::RefusalRow<Refused>> refusal_table(Refused);

@@ -22,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* k_folder = ".shapes";
-constexpr std::uint32_t k_format = 1;  // of the note, and of how a rough shape is drawn
+constexpr std::uint32_t k_format = 2;  // of the note, and of how a rough shape is drawn
 constexpr std::uint64_t k_most_note_bytes = 1U << 20U;
 constexpr std::uint32_t k_most_places = 4096;
 
@@ -72,6 +72,10 @@ class Writer {
         for (const float value : {v.x(), v.y(), v.z()}) put(value);
       }
     }
+    for (const Foot& foot : surfels.feet) {
+      for (const float value : {foot.place.x(), foot.place.y(), foot.outward.x(), foot.outward.y()})
+        put(value);
+    }
   }
   [[nodiscard]] std::string&& take() { return std::move(bytes_); }
 
@@ -112,6 +116,14 @@ class Reader {
         vectors->push_back(v);
       }
     }
+    for (std::uint32_t i = 0; good_ && i < count; ++i) {
+      Foot foot;
+      for (Eigen::Vector2f* v : {&foot.place, &foot.outward}) {
+        for (float& value : *v) value = get<float>();
+        if (!(v->cwiseAbs().maxCoeff() < k_far_mm)) good_ = false;
+      }
+      out.feet.push_back(foot);
+    }
     return out;
   }
   [[nodiscard]] bool good() const { return good_; }
@@ -123,49 +135,89 @@ class Reader {
   bool good_{true};
 };
 
-/// The note's content; nothing when it is damaged or of other files than `stamps`.
-std::optional<RoughShape> shape_in(const std::string& note, const std::string& stamps) {
-  if (note.size() < sizeof(std::uint32_t)) return std::nullopt;
-  const std::string content = note.substr(sizeof(std::uint32_t));
-  Reader head{note};
-  if (head.get<std::uint32_t>() != checksum_of(content)) return std::nullopt;
-  Reader reader{content};
-  if (reader.get<std::uint32_t>() != k_format || reader.text() != stamps) return std::nullopt;
-  RoughShape shape{.coarse = reader.surfels(), .few = reader.surfels()};
-  if (!reader.at_end()) return std::nullopt;
-  return shape;
-}
-
-std::string note_of(const RoughShape& shape, const std::string& stamps) {
-  Writer content;
-  content.put(k_format);
-  content.put(stamps);
-  content.put(shape.coarse);
-  content.put(shape.few);
-  const std::string bytes = content.take();
+/// A note: its checksum, the format, what it is of, and content.
+std::string note_of(const std::string& stamps, std::string&& content) {
+  Writer head;
+  head.put(k_format);
+  head.put(stamps);
+  const std::string bytes = head.take() + content;
   Writer note;
   note.put(checksum_of(bytes));
   return note.take() + bytes;
 }
 
+/// What `read` makes of a note's content; nothing where the note is damaged, or of other files than `stamps`.
+template <class Read>
+auto noted(const fs::path& file, const std::string& stamps, Read read)
+    -> decltype(read(std::declval<Reader&>())) {
+  const Result<std::string> note = read_regular_file(file, k_most_note_bytes);
+  if (!note || stamps.empty() || note->size() < sizeof(std::uint32_t)) return std::nullopt;
+  const std::string bytes = note->substr(sizeof(std::uint32_t));
+  Reader head{*note};
+  if (head.get<std::uint32_t>() != checksum_of(bytes)) return std::nullopt;
+  Reader reader{bytes};
+  if (reader.get<std::uint32_t>() != k_format || reader.text() != stamps) return std::nullopt;
+  auto content = read(reader);
+  return reader.at_end() ? std::move(content) : std::nullopt;
+}
+
+std::optional<RoughShape> shape_in(Reader& reader) {
+  RoughShape shape{.coarse = reader.surfels(), .few = reader.surfels(), .length_mm = reader.get<double>()};
+  if (!(shape.length_mm > 0 && shape.length_mm < k_far_mm)) return std::nullopt;
+  return shape;
+}
+
+/// The inner one: they teach nothing.
+std::optional<std::optional<TaughtGrading>> grading_in(Reader& reader) {
+  std::optional<TaughtGrading> grading;
+  if (reader.get<std::uint8_t>() != 0) grading = reader.get<TaughtGrading>();
+  return grading;
+}
+
+/// A library that may be read only keeps none: the next one reads the models again.
+void keep(const fs::path& file, const std::string& note) {
+  if (report::prepare_folder(file.parent_path())) (void)report::write_file_atomically(file, note);
+}
+
+Result<Sample> prepared(const Library& library, const std::string& name) {
+  BITELINE_ASSIGN(const SampleFiles files, library.load(name));
+  return prepare_sample(files.cloud, files.line);
+}
+
 }  // namespace
 
 Result<RoughShape> ShapeStore::shape_of(const std::string& name) const {
-  const fs::path folder = library_.folder() / k_folder;
+  const fs::path file = library_.folder() / k_folder / name;
   // Before the model is read: what is written meanwhile makes the note stale.
   const std::string stamps = stamps_of(library_.path_of(name));
-  if (!stamps.empty()) {
-    if (const Result<std::string> note = read_regular_file(folder / name, k_most_note_bytes)) {
-      if (std::optional<RoughShape> shape = shape_in(*note, stamps)) return *std::move(shape);
-    }
-  }
-  BITELINE_ASSIGN(const SampleFiles files, library_.load(name));
-  BITELINE_ASSIGN(const Sample sample, prepare_sample(files.cloud, files.line));
+  if (std::optional<RoughShape> shape = noted(file, stamps, shape_in)) return *std::move(shape);
+  BITELINE_ASSIGN(const Sample sample, prepared(library_, name));
   RoughShape shape = rough_shape_of(sample);
-  // A library that may be read only: the next one reads the model again.
-  if (report::prepare_folder(folder))
-    (void)report::write_file_atomically(folder / name, note_of(shape, stamps));
+  Writer content;
+  content.put(shape.coarse);
+  content.put(shape.few);
+  content.put(shape.length_mm);
+  keep(file, note_of(stamps, content.take()));
   return shape;
+}
+
+Result<std::optional<TaughtGrading>> ShapeStore::grading_of(const std::string& sample,
+                                                            const std::string& other, bool mirror) const {
+  // No model's name has a plus.
+  const fs::path file = library_.folder() / k_folder / (sample + "+" + other + (mirror ? "+mirrored" : ""));
+  const std::string first = stamps_of(library_.path_of(sample)), second = stamps_of(library_.path_of(other));
+  const std::string stamps = first.empty() || second.empty() ? std::string{} : first + "\n" + second;
+  if (const auto grading = noted(file, stamps, grading_in)) return *grading;
+  BITELINE_ASSIGN(const Sample one, prepared(library_, sample));
+  BITELINE_ASSIGN(const Sample two, prepared(library_, other));
+  const Result<TaughtGrading> taught = teach_grading(one, two, mirror);
+  std::optional<TaughtGrading> grading;
+  if (taught) grading = *taught;
+  Writer content;
+  content.put(static_cast<std::uint8_t>(grading ? 1 : 0));
+  if (grading) content.put(*grading);
+  keep(file, note_of(stamps, content.take()));
+  return grading;
 }
 
 }  // namespace biteline::transfer

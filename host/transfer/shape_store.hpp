@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file The rough shape of each saved model, kept beside the models so that recognition reads no clouds.
+/// \file What is worked out of saved models once and kept beside them, so that recognition reads no clouds.
 
+#include <optional>
 #include <string>
 
 #include "common/core/result.hpp"
 #include "host/transfer/align/rough_fit.hpp"
+#include "host/transfer/grading.hpp"
 #include "host/transfer/library.hpp"
 
 namespace biteline::transfer {
@@ -20,6 +22,11 @@ class ShapeStore {
 
   /// Fails as Library::load() does, and when the model's sample cannot be used.
   [[nodiscard]] Result<RoughShape> shape_of(const std::string& name) const;
+
+  /// What teach_grading() says of the two; nothing where they teach nothing.  `mirror`: they are of both
+  /// feet. Fails as Library::load() does.
+  [[nodiscard]] Result<std::optional<TaughtGrading>> grading_of(const std::string& sample,
+                                                                const std::string& other, bool mirror) const;
 
  private:
   const Library& library_;

@@ -8,6 +8,8 @@
 #include "host/apps/biteline/model_release.hpp"
 #include "host/records/report/json_text.hpp"
 #include "host/transfer/library.hpp"
+#include "host/transfer/models.hpp"
+#include "host/transfer/shape_store.hpp"
 
 namespace biteline::app {
 namespace {
@@ -29,9 +31,9 @@ nlohmann::ordered_json json_of(const transfer::ModelInfo& model) {
     json["line_length_mm"] = model.line_length_mm;
     json["process"] = model.has_process;
     json["version"] = model.made.version;
-    for (const auto& [key, text] :
-         {std::pair{"time", &model.made.time}, std::pair{"size", &model.made.size},
-          std::pair{"foot", &model.made.foot}, std::pair{"scan", &model.made.scan}}) {
+    for (const auto& [key, text] : {std::pair{"time", &model.made.time}, std::pair{"size", &model.made.size},
+                                    std::pair{"foot", &model.made.foot}, std::pair{"of", &model.made.of},
+                                    std::pair{"scan", &model.made.scan}}) {
       if (!text->empty()) json[key] = *text;
     }
   }
@@ -50,8 +52,34 @@ std::string words_of(const transfer::ModelInfo& model) {
   using Text = FixedText<400>;
   if (model.damage)
     return Text::format("%-20s damaged: %s", model.name.c_str(), to_line(*model.damage).c_str()).c_str();
-  return Text::format("%-20s line %.1f mm, %zu points%s", model.name.c_str(), model.line_length_mm,
-                      model.points, model.has_process ? ", with process" : "")
+  std::string what = model.made.of.empty() ? "" : ", of " + model.made.of;
+  for (const std::string& said : {model.made.size, model.made.foot})
+    if (!said.empty()) what += ", " + said;
+  return Text::format("%-20s line %.1f mm, %zu points%s%s", model.name.c_str(), model.line_length_mm,
+                      model.points, model.has_process ? ", with process" : "", what.c_str())
+      .c_str();
+}
+
+/// What the sample and the others of its model say of sizes.
+Result<std::string> grading_words(const ModelOptions& options, report::Report& report) {
+  const transfer::Library library{options.library};
+  BITELINE_ASSIGN(const transfer::SavedModel model,
+                  transfer::saved_model(library, options.made.of.empty() ? options.name : options.made.of));
+  const transfer::SavedSample* other = transfer::farthest_in_size(model, options.made.size);
+  if (other == nullptr) return std::string{};
+  BITELINE_ASSIGN(const std::optional<transfer::TaughtGrading> taught,
+                  transfer::ShapeStore{library}.grading_of(
+                      options.name, other->name, transfer::of_both_feet(options.made, other->made)));
+  report.fields["graded_with"] = other->name;
+  report.fields["teaches_grading"] = taught.has_value();
+  if (!taught)
+    return FixedText<300>::format("\n%s and %s teach no grading: they are of one size, or not of one model",
+                                  options.name.c_str(), other->name.c_str())
+        .c_str();
+  return FixedText<300>::format(
+             "\nwith %s it teaches how sizes are graded: for 1 %% of length %.2f %% of width, %.2f %% of "
+             "height",
+             other->name.c_str(), taught->law.width.mean, taught->law.height.mean)
       .c_str();
 }
 
@@ -65,7 +93,8 @@ Result<ExitStatus> save(const ModelOptions& options, const GlobalOptions& global
                       {.process_file = options.process, .replace = options.replace, .made = made}));
   report::Report report;
   report.fields = json_of(model);
-  return tell(report, global, words_of(model));
+  BITELINE_ASSIGN(const std::string grading, grading_words(options, report));
+  return tell(report, global, words_of(model) + grading);
 }
 
 Result<ExitStatus> undo(const ModelOptions& options, const GlobalOptions& global) {
@@ -134,8 +163,12 @@ void add_model(options::Command& app, Context& context) {
   save_command->add_option("sample", options->sample, "Folder with cloud.ply and line.csv")->required();
   save_command->add_option("--process", options->process, "YAML of the process, kept with the model");
   save_command->add_flag("--replace", options->replace, "Put it in the place of the model of this name");
-  save_command->add_option("--size", options->made.size, "As printed in the shoe, e.g. 'EU 42'");
-  save_command->add_option("--foot", options->made.foot, "left or right")
+  save_command->add_option("--of", options->made.of,
+                           "The model that it is a sample of, where that has several; without: its own name");
+  save_command->add_option(
+      "--size", options->made.size,
+      "As printed in the shoe, e.g. 'EU 42'; with it the sample serves other sizes, too");
+  save_command->add_option("--foot", options->made.foot, "left or right; with it the sample serves both feet")
       ->check(options::one_of({"left", "right"}));
   save_command->callback(
       [options, &context] { context.run = [options, &context] { return save(*options, context.options); }; });

@@ -29,6 +29,11 @@ nlohmann::ordered_json json_of(const transfer::Identification& found) {
   nlohmann::ordered_json json{{"name", found.name}, {"matches", nlohmann::ordered_json::array()}};
   for (const transfer::Match& match : found.matches) {
     json["matches"].push_back({{"name", match.name},
+                               {"model", match.model},
+                               {"foot", match.foot},
+                               {"size", match.size},
+                               {"mirrored", match.align.mirror},
+                               {"graded", match.align.grade},
                                {"probability", match.probability},
                                {"compared", match.compared},
                                {"fits", match.alignment.accepted()},
@@ -42,17 +47,17 @@ nlohmann::ordered_json json_of(const transfer::Identification& found) {
 }
 
 /// The sample that was named, or the model that the upper is found to be.
-Result<transfer::Transfer> carry_over(const TransferOptions& options, const cloud::PointCloud& upper,
+Result<transfer::Transfer> carry_over(TransferOptions options, const cloud::PointCloud& upper,
                                       report::Report& report) {
   const transfer::Library library{options.library};
   std::string sample_name = options.sample;
   if (sample_name.empty()) {
-    BITELINE_ASSIGN(const transfer::Identification found, report.timed("identify", [&] {
-      return transfer::identify(library, upper, options.transfer.align);
-    }));
+    BITELINE_ASSIGN(const transfer::Identification found,
+                    report.timed("identify", [&] { return transfer::identify(library, upper); }));
     report.fields["identified"] = json_of(found);
     if (found.refusal) return transfer::Transfer{.refusal = found.refusal};
     sample_name = found.name;
+    options.transfer.align = found.matches.front().align;
   }
   report.fields["sample"] = sample_name;
   BITELINE_ASSIGN(const transfer::SampleFiles sample,
@@ -122,9 +127,12 @@ void add_transfer(options::Command& app, Context& context) {
           "Another sample of the model, of another size and the same foot: the two teach how its factory "
           "grades, and the nearer one carries the line")
       ->needs(sample);
-  command->add_flag("--mirror", options->transfer.align.mirror, "The sample is of the other foot");
-  command->add_flag("--grade", options->transfer.align.grade,
-                    "The sample is of another size: grade by length, width and height");
+  command->add_flag("--mirror", options->transfer.align.mirror, "The sample is of the other foot")
+      ->needs(sample);
+  command
+      ->add_flag("--grade", options->transfer.align.grade,
+                 "The sample is of another size: grade by length, width and height")
+      ->needs(sample);
   const std::map<std::string, transfer::RayDirection> directions{{"level", transfer::RayDirection::Level},
                                                                  {"normal", transfer::RayDirection::Normal}};
   command

@@ -87,8 +87,10 @@ using ParameterStep = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, k_most_paramet
 struct GradingLaw {
   struct Share {
     double mean, sigma;
+    double bend{0};  ///< 1 sigma of how much the share changes for a change of one in length
   };
   Share width, section_along, section_across, height, offset_mm;
+  double taught_at{0};  ///< change of length to the sample that taught it with this one; a bend is none there
 
   /// What a size is off its law: lasts are rounded to such.
   static constexpr double k_factor_sigma = 5e-4, k_offset_sigma_mm = 0.05;
@@ -99,6 +101,8 @@ struct GradingLaw {
     ParameterStep gradient;   ///< what it pulls them by: of its log probability
   };
   [[nodiscard]] Pull pull(const Grade& grade) const;
+  /// Sum of the five squares of how far a grade is off, in sigmas.
+  [[nodiscard]] double misfit(const Grade& grade) const;
   /// The grade of that length by this law alone.
   [[nodiscard]] Grade at_length(double length) const;
 };

@@ -26,10 +26,6 @@ Rim moved(const Rim& rim, const SE3& T_to_from) {
   return out;
 }
 
-Foot mirrored(const Foot& foot) {
-  return {.place = {foot.place.x(), -foot.place.y()}, .outward = {foot.outward.x(), -foot.outward.y()}};
-}
-
 }  // namespace
 
 Sample mirrored(const Sample& sample) {

@@ -2,6 +2,7 @@
 #pragma once
 /// \file Whether a sample can lie on an upper at all, in a hundredth of the work that align() takes.
 
+#include "host/transfer/align/grade.hpp"
 #include "host/transfer/align/nearest_table.hpp"
 #include "host/transfer/align/prepared.hpp"
 
@@ -11,6 +12,7 @@ namespace biteline::transfer {
 struct RoughShape {
   Surfels coarse{};  ///< at the coarse pitch: for the search
   Surfels few{};     ///< of those at the fine pitch: for the judgement
+  double length_mm{0};
 };
 
 [[nodiscard]] RoughShape rough_shape_of(const Sample& sample);
@@ -29,9 +31,17 @@ struct RoughTarget {
 /// 0.2 mm or more over the surface; a single place is off by as much again through noise and texture, and the
 /// better half by less than all.  `bench_identify 60` has the right models below 0.1 mm.
 inline constexpr double k_most_rough_mm = 0.2;
+/// The same where it is graded: align() takes none at 0.3 mm or more, and few places tell a grade less well.
+inline constexpr double k_most_rough_graded_mm = 0.5;
 
-/// RMS of the better half of the places after a short search from all starts, mm; infinite where less than
-/// half of them meet the upper.  align() wants 60 % of the sample on the upper.
-[[nodiscard]] double rough_fit_mm(const RoughShape& shape, const RoughTarget& target);
+struct RoughFit {
+  double off_mm{0};  ///< RMS of the better half of the places; infinite where less than half meet the upper
+  double length{1};  ///< of the upper to that of the sample; 1 where it is not graded
+};
+
+/// After a short search from all starts.  `law`: of another size; null: of the sample's own.  align() wants
+/// 60 % of the sample on the upper.
+[[nodiscard]] RoughFit rough_fit(const RoughShape& shape, const RoughTarget& target,
+                                 const GradingLaw* law = nullptr);
 
 }  // namespace biteline::transfer

@@ -57,22 +57,6 @@ double top_along(const Surfels& surfels, const Vec3& mean, const Vec3& up) {
   return top_mm;
 }
 
-Surfels graded(const Surfels& surfels, const Grade& grade) {
-  Surfels out = surfels;
-  for (std::size_t i = 0; i < out.size(); ++i) {
-    out.positions[i] = grade.apply(surfels.positions[i].cast<double>(), surfels.foot(i)).cast<float>();
-  }
-  return out;
-}
-
-/// By length, and what the law makes of that.
-Grade start_grade(const Sample& sample, const Upper& upper, const AlignOptions& options) {
-  if (!options.grade) return {};
-  // The common part's own length, not the sample's: its sole is longer than its upper.
-  const double factor = std::clamp(upper.axes.length_mm / shoe_axes(sample.common).length_mm, 0.7, 1.4);
-  return options.law.at_length(factor);
-}
-
 bool alike(const Placement& a, const Placement& b, const Vec3& centre) {
   const Foot foot{.place = centre.head<2>().cast<float>()};
   return (a.place(centre, foot) - b.place(centre, foot)).norm() < k_same_mm &&
@@ -104,6 +88,17 @@ std::vector<Placement> starts(const Surfels& source, const Upper& upper, const G
   return placements;
 }
 
+Surfels graded(const Surfels& surfels, const Grade& grade) {
+  Surfels out = surfels;
+  for (std::size_t i = 0; i < out.size(); ++i)
+    out.positions[i] = grade.apply(surfels.positions[i].cast<double>(), surfels.foot(i)).cast<float>();
+  return out;
+}
+
+Grade start_grade(const GradingLaw& law, double length_mm, const Upper& upper) {
+  return law.at_length(std::clamp(upper.axes.length_mm / length_mm, 0.7, 1.4));
+}
+
 std::vector<IcpResult> different_ones(std::vector<IcpResult> fits, const Vec3& centre) {
   std::sort(fits.begin(), fits.end(),
             [](const IcpResult& a, const IcpResult& b) { return a.cost_mm2 < b.cost_mm2; });
@@ -118,7 +113,9 @@ std::vector<IcpResult> different_ones(std::vector<IcpResult> fits, const Vec3& c
 }
 
 std::vector<IcpResult> coarse_fits(const Sample& sample, const Upper& upper, const AlignOptions& options) {
-  const Grade grade = start_grade(sample, upper, options);
+  // The common part's own length, not the sample's: its sole is longer than its upper.
+  const Grade grade =
+      options.grade ? start_grade(options.law, shoe_axes(sample.common).length_mm, upper) : Grade{};
   const std::vector<Placement> placements = starts(graded(sample.common_coarse, grade), upper, grade);
   const NearestTable wide{upper.surfels_coarse, static_cast<float>(k_coarse_reach_mm)};
   const Surfaces surfaces{

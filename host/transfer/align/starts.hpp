@@ -16,6 +16,11 @@ inline constexpr double k_middle_reach_mm = 12;
 /// Two frames, six turns about the upright, two heights.  `source` is coarse and already graded.
 [[nodiscard]] std::vector<Placement> starts(const Surfels& source, const Upper& upper, const Grade& grade);
 
+[[nodiscard]] Surfels graded(const Surfels& surfels, const Grade& grade);
+
+/// Of a sample whose part above the line is so long: by the upper's length, and what the law makes of that.
+[[nodiscard]] Grade start_grade(const GradingLaw& law, double length_mm, const Upper& upper);
+
 /// Best first, no two alike (5 mm at the source's `centre`, 5 degrees).
 [[nodiscard]] std::vector<IcpResult> different_ones(std::vector<IcpResult> fits, const Vec3& centre);
 

@@ -15,6 +15,11 @@ struct Foot {
   Eigen::Vector2f outward{0, 0};
 };
 
+/// With y turned round.
+[[nodiscard]] inline Foot mirrored(const Foot& foot) {
+  return {.place = {foot.place.x(), -foot.place.y()}, .outward = {foot.outward.x(), -foot.outward.y()}};
+}
+
 /// One element per occupied voxel: mean of its points, normal of the points in the voxel and its 26
 /// neighbours.  Evenly dense whatever the scan's spacing was, so that no side of the shoe outweighs another.
 struct Surfels {

@@ -60,7 +60,7 @@ void all_pairs(int shoes) {
     rough_ms += ms_since(target_begin);
     for (std::size_t i = 0; i < samples.size(); ++i) {
       const Clock::time_point begin = Clock::now();
-      const double rough_mm = transfer::rough_fit_mm(shapes[i], target);
+      const double rough_mm = transfer::rough_fit(shapes[i], target).off_mm;
       rough_ms += ms_since(begin);
       const Clock::time_point align_begin = Clock::now();
       const transfer::Alignment alignment = transfer::align(samples[i], uppers[k], {});

@@ -161,15 +161,6 @@ TEST(Identify, OnlyTheNearOnesAreComparedAndTheOthersSayWhy) {
   CHECK(last.rough_fit_mm > k_most_rough_mm);
 }
 
-TEST(Identify, OfAnotherSizeAllAreCompared) {
-  std::uint64_t seed = 1;
-  for (const char* name : {"first", "second", "third", "fourth", "fifth"}) teach(name, seed++);
-  const Result<Identification> sut = identify(library, pair_of(4).upper_cloud, {.grade = true});
-  SUCCEEDS(sut);
-  LONGS_EQUAL(5, sut->matches.size());
-  for (const Match& match : sut->matches) CHECK(match.compared);
-}
-
 TEST(Identify, ADamagedModelIsLeftOutAndTold) {
   const cloud::PointCloud upper = teach("first", 1);
   teach("second", 2);

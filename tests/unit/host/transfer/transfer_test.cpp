@@ -82,7 +82,7 @@ TEST(Transfer, ScatteredPointsWillDo) {
 }
 
 TEST(Transfer, EveryRefusalHasItsRow) {
-  test::check_refusal_table(Refused::NoModelFits);
+  test::check_refusal_table(Refused::OrderDisagrees);
 }
 
 TEST(Transfer, ARefusalHasItsReasonAndNoLine) {

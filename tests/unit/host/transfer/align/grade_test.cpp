@@ -6,22 +6,7 @@
 
 namespace biteline::transfer {
 
-TEST_GROUP(Grading){
-    static double off_law(const GradingLaw& law, const Grade& grade){const double change = grade.length - 1;
-double sum = 0;
-const auto add = [&](const GradingLaw::Share& share, double value, double least) {
-  const double off = value - share.mean * change;
-  sum += 0.5 * off * off / (least * least + share.sigma * share.sigma * change * change);
-};
-add(law.width, grade.width - 1, GradingLaw::k_factor_sigma);
-add(law.section_along, grade.section_along - 1, GradingLaw::k_factor_sigma);
-add(law.section_across, grade.section_across - 1, GradingLaw::k_factor_sigma);
-add(law.height, grade.height - 1, GradingLaw::k_factor_sigma);
-add(law.offset_mm, grade.offset_mm, GradingLaw::k_offset_sigma_mm);
-return sum;
-}  // namespace biteline::transfer
-}
-;
+TEST_GROUP(Grading){};
 
 TEST(Grading, AGradeByTheLawIsNotPulled) {
   const GradingLaw law = usual_law();
@@ -47,13 +32,30 @@ TEST(Grading, EachFactorIsPulledTowardsTheLaw) {
     const double before = *factors[i];
     const double step = k_length + i == k_offset ? k_step : k_step * before;
     *factors[i] = before + step;
-    const double above = off_law(law, grade);
+    const double above = law.misfit(grade) / 2;
     *factors[i] = before - step;
-    const double below = off_law(law, grade);
+    const double below = law.misfit(grade) / 2;
     *factors[i] = before;
     DOUBLES_EQUAL((below - above) / (2 * k_step), sut.gradient[k_length + i],
                   1e-3 * (1 + std::abs(sut.gradient[k_length + i])));
   }
+}
+
+TEST(Grading, ALawThatBendsIsSureAtItsTwoSamplesAndDoubtsBetweenAndBeyond) {
+  GradingLaw law = usual_law();
+  law.height = {.mean = 0.5, .sigma = 0, .bend = 1};
+  law.taught_at = 0.12;
+  const auto sigmas_off = [&](double length) {
+    Grade grade = law.at_length(length);
+    grade.height += 0.002;
+    return std::sqrt(law.misfit(grade));
+  };
+  // What sizes are rounded to is all that is left at the samples.
+  DOUBLES_EQUAL(0.002 / GradingLaw::k_factor_sigma, sigmas_off(1), 1e-9);
+  DOUBLES_EQUAL(0.002 / GradingLaw::k_factor_sigma, sigmas_off(1.12), 1e-9);
+  // The parabola half way: 0.06 times 0.06.
+  DOUBLES_EQUAL(0.002 / std::hypot(GradingLaw::k_factor_sigma, 0.0036), sigmas_off(1.06), 1e-9);
+  CHECK(sigmas_off(1.15) < sigmas_off(1.12));
 }
 
 TEST(Grading, ASectionsFactorTurnsItsNormals) {

@@ -37,7 +37,7 @@ cloud::PointCloud moved(const cloud::PointCloud& cloud, const SE3& T) {
 double fit_mm(const RoughShape& shape, const cloud::PointCloud& upper_cloud) {
   const Result<Upper> upper = prepare_upper(upper_cloud);
   SUCCEEDS(upper);
-  return rough_fit_mm(shape, RoughTarget{*upper});
+  return rough_fit(shape, RoughTarget{*upper}).off_mm;
 }
 
 }  // namespace
@@ -78,7 +78,7 @@ TEST(RoughFit, LetsThroughWhatAlignTakesOfAPartialScan) {
     SUCCEEDS(upper);
     if (!align(sample, *upper, {}).accepted()) continue;
     ++taken;
-    CHECK(rough_fit_mm(shape, RoughTarget{*upper}) <= k_most_rough_mm);
+    CHECK(rough_fit(shape, RoughTarget{*upper}).off_mm <= k_most_rough_mm);
   }
   CHECK(taken > 0);
 }
