@@ -19,18 +19,22 @@ Result<void> serve_scans(const ScanServer& server) {
   std::uint64_t scans = 0;
   std::vector<profile::Profile> profiles;
   std::optional<std::size_t> next;
-  const auto start = [&](stream::StreamServer& stream) {
-    profiles = server.make(++scans);
-    std::printf("start %llu\n", static_cast<unsigned long long>(scans));
+  const auto start = [&](stream::StreamServer& stream) -> Result<void> {
+    const auto now_ms = now_of_sensor().time_since_epoch() / std::chrono::milliseconds{1};
+    std::printf("start %llu %lld\n", static_cast<unsigned long long>(++scans),
+                static_cast<long long>(now_ms));
     std::fflush(stdout);
+    if (!server.refuses.empty()) return fail(Errc::DeviceNotFound, "%s", server.refuses.c_str());
+    profiles = server.make(scans);
     stream.begin_scan(scans, server.identity.name, profiles.size());
     next = 0;
+    return {};
   };
   stream::StreamServer stream{{},
                               server.identity,
                               *socket,
                               [&](wire::Command command) -> Result<void> {
-                                if (command == wire::Command::StartScan) start(stream);
+                                if (command == wire::Command::StartScan) return start(stream);
                                 return {};
                               },
                               [] { return wire::Health{}; }};
@@ -47,6 +51,7 @@ Result<void> serve_scans(const ScanServer& server) {
     } else if (next) {
       wire::EndOfScan end;
       end.counters.frames = end.counters.profiles = profiles.size();
+      end.counters.profiles_dropped = server.profiles_dropped;
       stream.add_end(end);
       next.reset();
     }

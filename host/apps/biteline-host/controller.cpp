@@ -157,11 +157,11 @@ ControllerLook look_at_controller(const ControllerAddress& controller, const std
       .words = dashboard ? robot::ur::ask_controller(*dashboard, k_dashboard_patience)
                          : Result<robot::ur::ControllerWords>{tl::unexpected<Error>{dashboard.error()}},
       .wrong = {}};
-  say_when_new("robot", (look.words ? robot::ur::summary(*look.words) : to_line(look.words.error())));
   if (!look.words) {
     look.wrong = to_line(look.words.error());
     return look;
   }
+  say_when_new("robot", robot::ur::summary(*look.words));
   robot::ArmFacts facts;
   facts.arm = arm;
   if (!serial.empty()) facts.serial = serial;

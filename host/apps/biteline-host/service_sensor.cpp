@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "host/apps/biteline-host/attempt.hpp"
+#include "host/apps/biteline-host/part.hpp"
 #include "host/apps/biteline-host/scan_row.hpp"
 #include "host/apps/biteline-host/service.hpp"
 #include "host/apps/biteline-host/service_words.hpp"
@@ -47,7 +48,7 @@ Result<void> Service::hear_sensor() {
   // What was asked for on a connection that is gone may never have come there.
   const bool asks = asked_ && asked_->connection == connection();
   if (sensor_idle_ && !asks && !scan_ && !result_.valid() && !waits() && unfinished_.empty() &&
-      !cockpit_->paused()) {
+      !cockpit_->paused() && !rests()) {
     // A robot that is not ready would cost a scan that nobody can use.
     if (!robot_ready()) {
       // A start that takes effect whenever somebody mends the robot would surprise him.
@@ -77,6 +78,7 @@ Result<void> Service::hear_sensor() {
 Result<void> Service::on_event(const intake::LinkEvent& event) {
   if (const auto* hello = std::get_if<intake::Hello>(&event)) {
     sensor_heard_ = true;
+    sensor_lost_.clear();
     cockpit_->hear(hello->sensor);
     return on_hello(*hello);
   }
@@ -89,8 +91,7 @@ Result<void> Service::on_event(const intake::LinkEvent& event) {
       return {};
     }
     if (reply->errc == 0 || reply->id != k_start_id) return {};
-    asked_.reset();
-    return fail(Errc::PeerRefused, "the sensor does not begin a scan: %s", reply->where.c_str());
+    return on_refused_start(reply->where);
   }
   if (!scan_) return {};  // the rest of a scan that was over before this host came
   const std::size_t before = scan_->intake.cloud().size();
@@ -118,7 +119,9 @@ Result<void> Service::on_hello(const intake::Hello& hello) {
     Scan cut_off = std::move(*scan_);
     if (cut_off.stopped_by.empty() && cut_off.mark.stopped()) cut_off.stopped_by = k_somebody;
     scan_.reset();
-    BITELINE_TRY(work_out(std::move(cut_off)));
+    const Result<ExitStatus> status = work_out(std::move(cut_off));
+    rest_after(status);
+    BITELINE_TRY(status);
   }
   if (scan_) {
     say_step("goes on with %s at profile %llu", scan_->folder.filename().c_str(),
@@ -137,12 +140,60 @@ Result<void> Service::on_hello(const intake::Hello& hello) {
   look_for_next_folder();
   BITELINE_ASSIGN(intake::ScanIntake intake, intake::ScanIntake::begin(folder, hello, link_->packet()));
   hold_scan(folder, std::move(intake));
+  take_part();
   say_step("takes in scan '%s' of %s%s into %s", hello.sensor.scan_name.c_str(), hello.sensor.name.c_str(),
            hello.sensor.simulated ? " (simulated)" : "", folder.c_str());
   return {};
 }
 
+Result<void> Service::on_refused_start(const std::string& why) {
+  asked_.reset();
+  const Result<void> no = fail(Errc::PeerRefused, "the sensor does not begin a scan: %s", why.c_str());
+  if (options_.once) return no;
+  complain(no.error());
+  // It is there and says why: the link stays.
+  cockpit_->give_up_start();
+  sensor_idle_ = true;
+  rest("the sensor does not begin a scan: " + why, "mend what it names");
+  return {};
+}
+
+void Service::rest_after(const Result<ExitStatus>& status) {
+  LastEnd end = std::exchange(last_end_, {});
+  if (waits() || end.who == report::EndedBy::Person) return;
+  if (!status) {
+    end.who = report::EndedBy::Machine;
+    if (end.told.reason.empty())
+      end.told = {.reason_code = {},
+                  .reason = to_line(status.error()),
+                  .next_step = error_row(status.error().code).action};
+  }
+  // What a shoe is refused for says nothing against the next scan.
+  if (end.who != report::EndedBy::Machine) return spoilt_.mended();
+  rest(end.told.reason, end.told.next_step);
+}
+
+void Service::rest(const std::string& words, const std::string& next_step) {
+  const ToldOnce::Heard heard = spoilt_.hear(words, now());
+  const bool by_itself = !cockpit_->on_demand();
+  const auto wait_s =
+      static_cast<int>((heard.wait + std::chrono::milliseconds{999}) / std::chrono::seconds{1});
+  rest_ = Rest{.until = now() + heard.wait, .words = words, .next_step = next_step};
+  if (by_itself) {
+    rest_->next_step += "; the next scan after " + std::to_string(wait_s) + " s" +
+                        (cockpit_->has_doors() ? ", or by a start" : "");
+  }
+  if (heard.tells) say_step("%s", with_count(rest_->next_step, heard).c_str());
+}
+
+bool Service::rests() {
+  // Where each scan has its own start, somebody has said it.
+  if (rest_ && !cockpit_->on_demand() && now() >= rest_->until) rest_.reset();
+  return rest_ && !cockpit_->on_demand();
+}
+
 void Service::hold_scan(const fs::path& folder, intake::ScanIntake intake) {
+  rest_.reset();
   cockpit_->show_scan(folder.filename().string());
   cockpit_->show(Phase::Scanning, folder.filename().string() + " comes in", "its line");
   scan_.emplace(Scan{.folder = folder, .intake = std::move(intake), .line = {}, .connection = connection()});
@@ -181,6 +232,8 @@ Result<void> Service::take_up(const fs::path& folder) {
            static_cast<unsigned long long>(intake->profiles()));
   hold_scan(folder, std::move(*intake));
   scan_->recovered = true;
+  scan_->chosen.part = marked_part(folder);
+  cockpit_->show_shoe({.part = scan_->chosen.part});
   scan_->confirmed = word;
   scan_->stopped_by = stopped_by(folder);
   // A connection made before would go on with another scan; the next one asks for the rest of this.

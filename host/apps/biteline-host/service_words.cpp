@@ -4,11 +4,19 @@
 #include <chrono>
 #include <cstdio>
 #include <ctime>
+#include <mutex>
+
+#include "host/apps/biteline-host/told_once.hpp"
 
 namespace biteline::service {
 
 void complain(const Error& error) {
-  std::fprintf(stderr, "biteline-host: %s\n", to_line(error).c_str());
+  static std::mutex mutex;
+  static ToldOnce told;
+  const std::string words = to_line(error);
+  const std::lock_guard lock{mutex};
+  const ToldOnce::Heard heard = told.hear(words, now());
+  if (heard.tells) std::fprintf(stderr, "biteline-host: %s\n", with_count(words, heard).c_str());
 }
 
 HostClock::time_point now() {

@@ -25,7 +25,8 @@ inline constexpr std::uint32_t k_stop_id = 2;
 /// Larger ones: settings and recordings, as Cockpit counts them.
 inline constexpr std::uint32_t k_last_own_id = 2;
 
-/// One line on standard error.
+/// One line on standard error; what goes wrong again and again is told less and less often (ToldOnce).
+/// Thread: any.
 void complain(const Error& error);
 
 /// Goes on while the machine is suspended, as the shoe grows older meanwhile: not to be compared with stamps

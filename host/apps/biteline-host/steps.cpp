@@ -39,20 +39,38 @@ namespace fs = std::filesystem;
 
 constexpr const char* k_gate_file = "gate.json";
 
+/// What kept the profiles out goes before the cut, as another scan alone would not help.  That the stripe was
+/// not met yet, or that the first few profiles came before the first pose, is none.
+std::optional<intake::Refusal> cause_before_the_cut(const intake::ScanOutcome& scan) {
+  constexpr std::uint64_t k_enough_profiles = 50;  // half a second at 100 a second
+  if (scan.counts.profiles < k_enough_profiles) return std::nullopt;
+  std::optional<intake::Refusal> cause =
+      intake::scan_cause(scan.counts, scan.sensor_counters, &scan.sensor_devices);
+  if (!cause || cause->code == intake::Refused::NoStripe ||
+      cause->code == intake::Refused::StripeAlongColumns)
+    return std::nullopt;
+  cause->reason += "; the scan is not complete either: " + to_line(*scan.failure);
+  return cause;
+}
+
+intake::Refusal why_unfinished(const intake::ScanOutcome& scan) {
+  using enum intake::Refused;
+  const std::string profiles = std::to_string(scan.counts.profiles) + " profiles";
+  if (!scan.stopped_by.empty()) {
+    return {.code = StoppedByAPerson,
+            .reason = "the scan was stopped by " + scan.stopped_by + " after " + profiles};
+  }
+  if (scan.sensor.test_pattern) return {.code = TestPattern, .reason = scan.failure->where.c_str()};
+  if (scan.failure->code == Errc::Refused)
+    return {.code = CameraState, .reason = scan.failure->where.c_str()};
+  if (std::optional<intake::Refusal> cause = cause_before_the_cut(scan)) return std::move(*cause);
+  return {.code = ScanNotComplete,
+          .reason = "the scan is not complete after " + profiles + ": " + to_line(*scan.failure)};
+}
+
 Result<LineStep> keep_unfinished(const fs::path& folder, const intake::ScanOutcome& scan,
                                  report::Report& report) {
-  const std::string profiles = std::to_string(scan.counts.profiles) + " profiles";
-  const intake::Refusal refusal =
-      !scan.stopped_by.empty()
-          ? intake::Refusal{.code = intake::Refused::StoppedByAPerson,
-                            .reason = "the scan was stopped by " + scan.stopped_by + " after " + profiles}
-      : scan.sensor.test_pattern
-          ? intake::Refusal{.code = intake::Refused::TestPattern, .reason = scan.failure->where.c_str()}
-      : scan.failure->code == Errc::Refused
-          ? intake::Refusal{.code = intake::Refused::CameraState, .reason = scan.failure->where.c_str()}
-          : intake::Refusal{
-                .code = intake::Refused::ScanNotComplete,
-                .reason = "the scan is not complete after " + profiles + ": " + to_line(*scan.failure)};
+  const intake::Refusal refusal = why_unfinished(scan);
   report.refuse(refusal);
   BITELINE_TRY(cloud::write_cloud(folder / "cloud.ply", scan.cloud));
   BITELINE_TRY(report.write(folder));

@@ -19,6 +19,8 @@ constexpr double k_old_s = 0.1;
 constexpr double k_door_closed_s = 1;
 /// A program's own time without a beat, 0.5 s, its braking from a joint's full way there, and two looks.
 constexpr double k_dead_mans_work_s = 1.2;
+/// A controller's clock goes as ours does, by parts in 10 000.
+constexpr double k_shown_ratio = 0.5;
 constexpr double k_shaking_rad = 0.01;  // of a joint at the end of its path: some 2 mm of the tip
 // One state that says "no program runs" is not believed: so long all of them must, by both clocks.
 constexpr double k_ended_s = 0.1;
@@ -217,6 +219,19 @@ HaltReason not_ended(const Ending& ending) {
   return {Halt::NotEnded, "the path is done, and the arm does not come to rest"};
 }
 
+/// Of states that show little of the time they came in nothing can be said of the arm.
+tl::unexpected<Error> never_still(const RobotState& first, const RobotState& last) {
+  const double heard_s = seconds(last.received - first.received);
+  const double shown_s = seconds(last.sampled - first.sampled);
+  if (shown_s < k_shown_ratio * heard_s) {
+    return fail(Errc::Timeout,
+                "robot: its states come late: in %.1f s they show %.1f s of its clock; see what holds them "
+                "up: network, relay, a busy machine",
+                heard_s, std::max(0.0, shown_s));
+  }
+  return fail(Errc::Timeout, "robot: it still moves after %.0f s", heard_s);
+}
+
 void fill(FollowReport& report, const std::vector<RobotState>& states, const path::CheckedPath& path) {
   std::optional<RobotClock::time_point> last;
   for (const RobotState& state : states) {
@@ -238,10 +253,7 @@ Result<RobotState> wait_until_still(const RobotLink& link, const StillOptions& o
   while (between_s(still_since, state) < options.still_s) {
     if (options.mark && options.mark->stopped())
       return fail(Errc::Refused, "robot: the service was told to stop");
-    if (seconds(state.received - first.received) > options.patience_s) {
-      return fail(Errc::Timeout, "robot: it still moves, or its states come late, after %.0f s",
-                  options.patience_s);
-    }
+    if (seconds(state.received - first.received) > options.patience_s) return never_still(first, state);
     BITELINE_ASSIGN(state, link.wait_newer(state.sequence, k_first_state_patience));
     const bool turned = !((state.q_rad - still_since.q_rad).cwiseAbs().maxCoeff() <= options.turn_rad);
     const bool moved =

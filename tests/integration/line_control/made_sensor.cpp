@@ -1,6 +1,14 @@
 // SPDX-License-Identifier: MIT
 // A sensor without devices: each StartScan makes one scan of a flat plate.  Tells its address, then each
 // start.
+//
+//     biteline-made-sensor [no-poses|busy|refuses|slow]
+//
+// no-poses: no profile has a pose; busy: most were dropped before they were sent; refuses: no scan begins;
+// slow: four seconds a scan.
+#include <cstdio>
+#include <string_view>
+
 #include "tests/support/scan_server.hpp"
 
 namespace {
@@ -27,12 +35,14 @@ profile::Profile line_of_plate(std::uint64_t sequence, SensorClock::time_point a
   return profile;
 }
 
-Result<test::ScanServer> plate_server() {
-  test::ScanServer server{.identity = {}, .make = [](std::uint64_t) {
+Result<test::ScanServer> plate_server(std::uint32_t flags) {
+  test::ScanServer server{.identity = {}, .make = [flags](std::uint64_t) {
                             std::vector<profile::Profile> profiles;
                             const SensorClock::time_point begin = test::now_of_sensor();
-                            for (std::uint64_t k = 0; k < k_profiles; ++k)
+                            for (std::uint64_t k = 0; k < k_profiles; ++k) {
                               profiles.push_back(line_of_plate(k, begin + std::chrono::milliseconds{k}));
+                              profiles.back().header.flags |= flags;
+                            }
                             return profiles;
                           }};
   server.identity.name = "plate";
@@ -43,6 +53,19 @@ Result<test::ScanServer> plate_server() {
 
 }  // namespace
 
-int main() {
-  return biteline::test::run_scan_server("biteline-made-sensor", plate_server);
+int main(int argc, char** argv) {
+  const std::string_view fault{argc > 1 ? argv[1] : ""};
+  if (argc > 2 ||
+      (argc == 2 && fault != "no-poses" && fault != "busy" && fault != "refuses" && fault != "slow")) {
+    std::fprintf(stderr, "usage: biteline-made-sensor [no-poses|busy|refuses|slow]\n");
+    return 2;
+  }
+  return biteline::test::run_scan_server("biteline-made-sensor", [fault]() -> Result<test::ScanServer> {
+    BITELINE_ASSIGN(test::ScanServer server,
+                    plate_server(fault == "no-poses" ? profile::k_profile_pose_missing : 0U));
+    if (fault == "busy") server.profiles_dropped = 10 * k_profiles;
+    if (fault == "slow") server.between_profiles = std::chrono::milliseconds{100};
+    if (fault == "refuses") server.refuses = "no camera answers";
+    return server;
+  });
 }

@@ -20,7 +20,7 @@ Result<ArmLook> look_at_arm(const std::string& host, std::uint16_t rtde_port) {
   if (!link) return tl::unexpected<Error>{link.error()};
   const Result<RobotState> state = wait_until_still(**link, {.patience_s = 1});
   if (!state && state.error().code == Errc::Timeout)
-    return fail(Errc::WrongState, "the arm still moves; touch when it stands");
+    return fail(Errc::WrongState, "%.200s; touch when it stands", state.error().where.c_str());
   if (!state) return tl::unexpected<Error>{state.error()};
   return ArmLook{.T_base_flange = state->T_base_tcp * state->T_flange_tcp.inverse(),
                  .tip_flange = state->T_flange_tcp.translation(),
