@@ -16,6 +16,7 @@ inline constexpr std::size_t k_why = 500;    ///< a person's reason for what was
 inline constexpr std::size_t k_reason = 2000;  ///< a program's: why something was refused
 inline constexpr std::size_t k_choice = 20;    ///< out of a program's own short list: a verdict
 inline constexpr std::size_t k_word = 100;     ///< out of a program's own list: a reason's code
+inline constexpr std::size_t k_size = 20;      ///< of a shoe, as its factory writes it: "EU 42"
 inline constexpr std::size_t k_value = 1024;   ///< of a settings file, whatever its meaning
 
 /// No longer than that, valid UTF-8, in one line, without control characters or marks of direction.

@@ -30,6 +30,10 @@ constexpr std::array k_texts{TextField{"model", &memory::Scan::model, bounds::k_
                              TextField{"reason", &memory::Scan::reason, bounds::k_reason},
                              TextField{"process", &memory::Scan::process, bounds::k_title},
                              TextField{"decision", &memory::Scan::decision, bounds::k_choice}};
+/// Cells of before these were told say none of them.
+constexpr std::array k_newer_texts{TextField{"part", &memory::Scan::part, bounds::k_name},
+                                   TextField{"foot", &memory::Scan::foot, bounds::k_choice},
+                                   TextField{"size", &memory::Scan::size, bounds::k_size}};
 struct NumberField {
   const char* key;
   std::optional<double> memory::Scan::*number;
@@ -160,6 +164,8 @@ memory::Scan fitted(const memory::Scan& scan, std::int64_t seq) {
   if (out.name.empty() || !bounds::fits(out.name, bounds::k_name)) out.name = name_of_row(seq);
   out.time = std::clamp<memory::UnixMs>(out.time, 0, k_most_number);
   for (const TextField& field : k_texts) out.*field.text = bounds::fitted(scan.*field.text, field.most_bytes);
+  for (const TextField& field : k_newer_texts)
+    out.*field.text = bounds::fitted(scan.*field.text, field.most_bytes);
   for (const NumberField& field : k_numbers) {
     if (out.*field.number && !std::isfinite(*(out.*field.number))) (out.*field.number).reset();
   }
@@ -178,6 +184,7 @@ std::string to_text(const ShoeMessage& shoe) {
             {"release", bounds::fitted(shoe.release, bounds::k_name)},
             {"places", nullptr}};
   for (const TextField& field : k_texts) json[field.key] = scan.*field.text;
+  for (const TextField& field : k_newer_texts) json[field.key] = scan.*field.text;
   for (const NumberField& field : k_numbers)
     json[field.key] = scan.*field.number ? Json(*(scan.*field.number)) : Json{};
   if (shoe.places && are_places(*shoe.places)) json["places"] = *shoe.places;
@@ -210,6 +217,9 @@ Result<ShoeMessage> read_shoe(std::string_view text) {
   if (shoe.scan.name.empty()) reader.fault("scan");
   shoe.scan.time = reader.whole("time_ms");
   for (const TextField& field : k_texts) shoe.scan.*field.text = reader.text(field.key, field.most_bytes);
+  for (const TextField& field : k_newer_texts) {
+    if (reader.find(field.key) != nullptr) shoe.scan.*field.text = reader.text(field.key, field.most_bytes);
+  }
   for (const NumberField& field : k_numbers) shoe.scan.*field.number = reader.number_if(field.key);
   shoe.scan.sent = reader.truth("sent");
   shoe.scan.followed = reader.truth("followed");

@@ -11,11 +11,12 @@ namespace {
 /// A cell is compared by so many of its newest shoes of a model.
 constexpr int k_newest = 300;
 
-/// $1 cell, $2 model, $3 verdict, $4 and $5 from and to, $6 reason code; empty: any.
+/// $1 cell, $2 model, $3 verdict, $4 and $5 from and to, $6 reason code, $7 part number, $8 its beginning;
+/// empty: any.
 constexpr const char* k_where =
     " FROM shoes WHERE ($1 = '' OR cell = $1) AND ($2 = '' OR model = $2) AND ($3 = '' OR verdict = $3) AND "
     "time >= to_timestamp($4::bigint / 1000.0) AND time < to_timestamp($5::bigint / 1000.0) AND ($6 = '' OR "
-    "reason_code = $6)";
+    "reason_code = $6) AND ($7 = '' OR part = $7) AND ($8 = '' OR starts_with(part, $8))";
 /// As the database takes it.
 std::string zone_of_process() {
   const std::string zone = memory::time_zone();
@@ -24,6 +25,7 @@ std::string zone_of_process() {
 
 /// A scan that a person ended on its way says nothing of a shoe.
 constexpr const char* k_no_stopped = " AND NOT (verdict = 'refused' AND reason_code = 'stopped_by_a_person')";
+constexpr const char* k_stopped = " AND verdict = 'refused' AND reason_code = 'stopped_by_a_person'";
 constexpr const char* k_sums =
     "count(*), count(*) FILTER (WHERE verdict = 'ok'), count(*) FILTER (WHERE verdict = 'amber'), count(*) "
     "FILTER (WHERE verdict = 'refused'), count(*) FILTER (WHERE verdict NOT IN ('ok', 'amber', 'review', "
@@ -65,6 +67,9 @@ FleetShoe shoe_of(const pqxx::row& row) {
   scan.u95_mm = number_if(row[10]);
   scan.cycle_s = number_if(row[11]);
   scan.process = row[12].as<std::string>();
+  scan.part = row[17].as<std::string>();
+  scan.foot = row[18].as<std::string>();
+  scan.size = row[19].as<std::string>();
   scan.decision = row[13].as<std::string>();
   scan.sent = row[14].as<bool>();
   if (scan.sent) scan.followed = row[15].as<bool>();
@@ -75,9 +80,12 @@ FleetShoe shoe_of(const pqxx::row& row) {
 template <class... More>
 pqxx::result ask(pqxx::work& work, const std::string& statement, const std::string& cell,
                  const memory::ScanFilter& filter, const More&... more) {
+  const bool begins = filter.part.ends_with('*');
+  const std::string part = begins ? filter.part.substr(0, filter.part.size() - 1) : filter.part;
   return work.exec_params(statement, text_of(cell), text_of(filter.model), text_of(filter.verdict),
                           filter.from.value_or(0), std::min(filter.to.value_or(k_latest_ms), k_latest_ms),
-                          text_of(filter.reason_code), more...);
+                          text_of(filter.reason_code), text_of(begins ? "" : part),
+                          text_of(begins ? part : ""), more...);
 }
 
 }  // namespace
@@ -93,8 +101,8 @@ Result<FleetShoes> Overview::shoes(const std::string& cell, const memory::ScanFi
          ask(work,
              std::string{"SELECT id, cell, scan, (extract(epoch FROM time) * 1000)::bigint, model, verdict, "
                          "reason_code, reason, length_mm, confidence, u95_mm, cycle_s, process, decision, "
-                         "sent, followed, release"} +
-                 k_where + " AND id < $7 ORDER BY id DESC LIMIT $8",
+                         "sent, followed, release, part, foot, size"} +
+                 k_where + " AND id < $9 ORDER BY id DESC LIMIT $10",
              cell, filter, before, filter.limit + 1)) {
       if (static_cast<int>(page.shoes.size()) == filter.limit) {
         page.next_id = last;
@@ -114,8 +122,9 @@ Result<memory::Trends> Overview::trends(const std::string& cell, const memory::S
     memory::Trends trends;
     for (const pqxx::row& row :
          ask(work,
-             std::string{"SELECT (extract(epoch FROM (date_trunc($7::text, (time AT TIME ZONE $8::text) - "
-                         "$9::interval) + $9::interval) AT TIME ZONE $8::text) * 1000)::bigint AS bucket, "} +
+             std::string{
+                 "SELECT (extract(epoch FROM (date_trunc($9::text, (time AT TIME ZONE $10::text) - "
+                 "$11::interval) + $11::interval) AT TIME ZONE $10::text) * 1000)::bigint AS bucket, "} +
                  k_sums + k_where + k_no_stopped + " GROUP BY bucket ORDER BY bucket",
              cell, filter, span, zone_of_process(), span == "hour" ? "00:00" : day.begin()))
       trends.buckets.push_back(trend_of(row, 1, row[0].as<std::int64_t>()));
@@ -124,6 +133,8 @@ Result<memory::Trends> Overview::trends(const std::string& cell, const memory::S
                                         " AND reason_code <> '' GROUP BY reason_code ORDER BY 2 DESC, 1",
                                     cell, filter))
       trends.reasons.push_back({.reason_code = row[0].as<std::string>(), .scans = row[1].as<std::int64_t>()});
+    trends.stopped = ask(work, std::string{"SELECT count(*)"} + k_where + k_stopped, cell, filter)[0][0]
+                         .as<std::int64_t>();
     return trends;
   });
 }

@@ -207,6 +207,16 @@ void Cockpit::show_model(const std::string& name, double probability, const Show
   publish_state();
 }
 
+void Cockpit::show_shoe(const ShownShoe& shoe) {
+  {
+    const std::lock_guard lock{mutex_};
+    if (shoe_ == shoe) return;
+    shoe_ = shoe;
+    published_ = {};
+  }
+  publish_state();
+}
+
 void Cockpit::show_next(const ShownProcess& process) {
   {
     const std::lock_guard lock{mutex_};

@@ -112,6 +112,12 @@ class Cockpit final : public api::Cell {
   };
   /// Of the scan that is worked out, or waits.
   void show_model(const std::string& name, double probability, const ShownProcess& process);
+  /// Whose shoe it is, as it was said or recognised: of the scan in work, between scans of the next one.
+  struct ShownShoe {
+    std::string part{}, foot{}, size{};
+    bool operator==(const ShownShoe&) const = default;
+  };
+  void show_shoe(const ShownShoe& shoe);
   /// Between scans: what the next one is worked with.  Without a name: as its model says.
   void show_next(const ShownProcess& process);
   void hear(const wire::SensorHello& hello);
@@ -180,6 +186,7 @@ class Cockpit final : public api::Cell {
   [[nodiscard]] line_control::LineState line_state() override;
   [[nodiscard]] std::optional<api::Job> job_of(int number) override;
   [[nodiscard]] line_control::Refusal choose_job(int number, bool control_held) override;
+  [[nodiscard]] line_control::Refusal choose_part(const std::string& part, bool control_held) override;
   [[nodiscard]] LineStart start_for_line(int request, bool control_held, std::uint64_t stops) override;
   [[nodiscard]] Result<int> rerun(const api::RerunOrder& order) override;
   [[nodiscard]] Result<api::TriedPath> try_process(const std::string& scan,
@@ -198,6 +205,8 @@ class Cockpit final : public api::Cell {
   [[nodiscard]] api::Json state_locked() const;
   /// What waits for a person, and for what; null: nothing.
   [[nodiscard]] api::Json held_json_locked() const;
+  /// The commands that are taken now, by the names of their paths (cockpit_offers.cpp).
+  [[nodiscard]] api::Json offers_locked() const;
   /// Its files are not what the service wrote and planned of.
   [[nodiscard]] Result<void> look_at_files(const std::string& scan) const;
   /// Why a yes to what is held would come to nothing now; nothing: the gate decides.
@@ -261,6 +270,7 @@ class Cockpit final : public api::Cell {
   std::string model_;
   ShownProcess process_{};
   double model_probability_{0};
+  ShownShoe shoe_{};
   std::optional<wire::SensorHello> hello_{};
   std::optional<wire::Health> health_{};
   std::string sensor_lost_{"not connected yet"};

@@ -33,6 +33,9 @@ void Cockpit::end_cycle(const memory::Scan& scan) {
   cycle_.scan_ends({.scan = scan.name,
                     .verdict = scan.verdict,
                     .model = scan.model,
+                    .foot = scan.foot,
+                    .size = scan.size,
+                    .part = scan.part,
                     .sent = scan.sent,
                     .followed = scan.followed.value_or(false),
                     .length_mm = scan.length_mm,
@@ -52,12 +55,17 @@ std::optional<api::Job> Cockpit::job_of(int number) {
   // The jobs never change while the service runs.
   const line_control::Job* const job = cycle_.find(number);
   if (job == nullptr) return std::nullopt;
-  return api::Job{.model = job->model, .process = job->process};
+  return api::Job{.model = job->model, .process = job->process, .foot = job->foot, .size = job->size};
 }
 
 Refusal Cockpit::choose_job(int number, bool control_held) {
   const std::lock_guard lock{mutex_};
   return cycle_.choose(number, standing_locked(control_held));
+}
+
+Refusal Cockpit::choose_part(const std::string& part, bool control_held) {
+  const std::lock_guard lock{mutex_};
+  return cycle_.choose_part(part, standing_locked(control_held));
 }
 
 api::Cell::LineStart Cockpit::start_for_line(int request, bool control_held, std::uint64_t stops) {
@@ -72,7 +80,11 @@ api::Cell::LineStart Cockpit::start_for_line(int request, bool control_held, std
     hold_all_locked(false);
     go_locked({.kind = Wish::Kind::Start,
                .who = "the line's control",
-               .job = {.model = start.go->model, .process = start.go->process},
+               .job = {.model = start.go->model,
+                       .process = start.go->process,
+                       .foot = start.go->foot,
+                       .size = start.go->size,
+                       .part = start.part},
                .mark = mark});
   }
   static_cast<void>(keep_hold(false, "the line's control"));

@@ -30,6 +30,7 @@ void Cockpit::end_all(Wish::Kind kind, const std::string& who) {
   stops_.stop();
   const std::lock_guard lock{mutex_};
   if (cycle_.on_demand()) cycle_.give_up();
+  cycle_.forget_part();
   paused_ = true;
   stopped_ = true;
   stopped_by_ = who;
@@ -73,9 +74,10 @@ Result<void> Cockpit::start(const api::Job& job, const api::Speaker& said) {
                   going_on_.c_str());
     if (cycle_.on_demand() && cycle_.busy())
       return fail(Errc::WrongState, "a scan is in work, and each start is one scan; wait for its end");
-    cycle_.begin(0);
+    api::Job said = job;
+    said.part = cycle_.begin(0, job.part);
     hold_all_locked(job.hold);
-    go_locked({.kind = Wish::Kind::Start, .who = who, .job = job, .mark = mark});
+    go_locked({.kind = Wish::Kind::Start, .who = who, .job = std::move(said), .mark = mark});
     return {};
   }();
   if (!begun) {
@@ -159,7 +161,7 @@ Result<void> Cockpit::rescan(const Rescan& order) {
   const bool begun = [&] {
     const std::lock_guard lock{mutex_};
     if (mark.stopped()) return false;
-    cycle_.begin(0);
+    cycle_.begin_again();
     hold_all_locked(order.hold);
     go_locked({.kind = Wish::Kind::Rescan, .who = order.who, .why = order.why, .mark = mark});
     return true;

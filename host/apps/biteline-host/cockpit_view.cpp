@@ -133,9 +133,13 @@ Json Cockpit::state_locked() const {
              {"lamps", std::move(lamps)},
              {"cycle", {{"this_s", api::or_null(cycle_s_locked())}, {"last_s", api::or_null(last_cycle_s_)}}},
              {"model", nullptr},
+             {"part", api::or_null(shoe_.part)},
+             {"foot", api::or_null(shoe_.foot)},
+             {"size", api::or_null(shoe_.size)},
              {"process", api::or_null(process_.name)},
              {"process_by", api::or_null(process_.by)}};
   state["held"] = held_json_locked();
+  state["offers"] = offers_locked();
   state["day"] = {{"zone", memory::time_zone()}, {"begin", config_.day.begin()}};
   if (stopped_) show_stopped_locked(state);
   if (!model_.empty()) state["model"] = {{"name", model_}, {"probability", model_probability_}};

@@ -19,12 +19,6 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 using Text = FixedText<240>;
 
-Result<transfer::Alignment> align_model(const transfer::SampleFiles& sample, const cloud::PointCloud& cloud) {
-  BITELINE_ASSIGN(const transfer::Sample prepared, transfer::prepare_sample(sample.cloud, sample.line));
-  BITELINE_ASSIGN(const transfer::Upper upper, transfer::prepare_upper(cloud));
-  return transfer::align(prepared, upper, {});
-}
-
 cloud::ClosedLine placed(const cloud::ClosedLine& line, const SE3& T_scan_model) {
   cloud::ClosedLine out = line;
   for (cloud::LinePoint& point : out.points) {
@@ -33,6 +27,15 @@ cloud::ClosedLine placed(const cloud::ClosedLine& line, const SE3& T_scan_model)
     point.tangent = T_scan_model.linear() * point.tangent;
   }
   return out;
+}
+
+/// Fails (Refused) where the model is not the scan's.
+Result<OnScan> align_model(const transfer::SampleFiles& sample, const cloud::PointCloud& cloud) {
+  BITELINE_ASSIGN(const transfer::Sample prepared, transfer::prepare_sample(sample.cloud, sample.line));
+  BITELINE_ASSIGN(const transfer::Upper upper, transfer::prepare_upper(cloud));
+  const transfer::Alignment alignment = transfer::align(prepared, upper, {});
+  if (!alignment.accepted()) return fail(Errc::Refused, "%s", alignment.reason.c_str());
+  return OnScan{.line = placed(sample.line, alignment.T_upper_sample), .sigma_mm = alignment.line_sigma_mm};
 }
 
 Json json_of(const std::string& model, const mend::OffPrior& off, int candidate) {
@@ -86,20 +89,20 @@ Result<LineStep> heed_mended_model(const fs::path& folder, LineStep found, const
   if (!found.line || found.status != ExitStatus::Done || !mend::is_mended(model.sample.line)) return found;
   // Before the report gets what follows, and the line perhaps another version.
   BITELINE_TRY(found.pages.write(cloud));
-  const Result<transfer::Alignment> alignment =
-      model.on_scan ? Result<transfer::Alignment>{*model.on_scan} : align_model(model.sample, cloud);
-  if (!alignment || !alignment->accepted()) {
-    const std::string why = alignment ? alignment->reason : to_line(alignment.error());
-    BITELINE_TRY(
-        tell(folder, {{"model", model.name}}, "the mended line of " + model.name + " has no say: " + why));
+  const Result<OnScan> on_scan =
+      model.on_scan ? Result<OnScan>{*model.on_scan} : align_model(model.sample, cloud);
+  if (!on_scan) {
+    BITELINE_TRY(tell(
+        folder, {{"model", model.name}},
+        "the mended line of " + model.name + " has no say: " + std::string{on_scan.error().where.view()}));
     return found;
   }
-  const cloud::ClosedLine prior = placed(model.sample.line, alignment->T_upper_sample);
-  mend::OffPrior off = mend::off_prior(*found.line, prior, alignment->line_sigma_mm);
+  const cloud::ClosedLine& prior = on_scan->line;
+  mend::OffPrior off = mend::off_prior(*found.line, prior, on_scan->sigma_mm);
   int candidate = 1;
   if (off.beyond_mm > 0) {
     BITELINE_ASSIGN(candidate, take_nearest(folder, cloud, prior, model.name, found));
-    if (candidate > 1 && found.line) off = mend::off_prior(*found.line, prior, alignment->line_sigma_mm);
+    if (candidate > 1 && found.line) off = mend::off_prior(*found.line, prior, on_scan->sigma_mm);
   }
   Json prior_json = json_of(model.name, off, candidate);
   Text words = Text::format("the line keeps to the mended line of %.64s: %.2f mm off at most",

@@ -5,9 +5,9 @@
 #include <filesystem>
 #include <string>
 
+#include "host/apps/biteline-host/recognise.hpp"
 #include "host/apps/biteline-host/steps.hpp"
 #include "host/cloud/point_cloud.hpp"
-#include "host/transfer/align/alignment.hpp"
 #include "host/transfer/sample_folder.hpp"
 
 namespace biteline::service {
@@ -16,7 +16,7 @@ namespace biteline::service {
 struct MendedModel {
   std::string name;
   const transfer::SampleFiles& sample;
-  const transfer::Alignment* on_scan{nullptr};  ///< none: it is aligned here
+  const OnScan* on_scan{nullptr};  ///< null: it is aligned here
 };
 
 /// Of the scan's candidates that pass their gates the one nearest to the model's line is taken, as a new

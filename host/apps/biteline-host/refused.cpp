@@ -15,6 +15,8 @@ std::span<const report::RefusalRow<Refused>> refusal_table(Refused) {
                                   "look at the part that is named, then calibrate the head again"},
       report::RefusalRow<Refused>{Refused::OtherProcess, "other_process",
                                   "accept it as it is planned, or choose the model's process"},
+      report::RefusalRow<Refused>{Refused::PartWorkedBefore, "part_worked_before",
+                                  "look at the shoe: accept it where it is another one, else reject it"},
       report::RefusalRow<Refused>{Refused::LineOffMended, "line_off_mended",
                                   "look at the line there; mend it, or save this scan as the model"},
   };

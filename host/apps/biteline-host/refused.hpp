@@ -11,6 +11,7 @@ enum class Refused {
   RerunFailed,         ///< a kept scan could not be worked out again
   CalibrationDrifted,  ///< since it was made, as its scans of some shoes show
   OtherProcess,        ///< a person took another process than the model's own
+  PartWorkedBefore,    ///< a path was sent for a shoe of this part number
   LineOffMended,       ///< the line lies off the mended line of its model by more than both are known
 };
 

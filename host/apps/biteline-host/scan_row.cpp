@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/system/file.hpp"
+#include "host/apps/biteline-host/part.hpp"
 #include "host/cloud/closed_line.hpp"
 #include "host/doors/api/words.hpp"
 
@@ -98,6 +99,11 @@ std::optional<memory::Scan> row_of(const fs::path& folder) {
   scan.time = time_of(folder / "report.json");
   scan.length_mm = number_of(report, "length_mm");
   scan.confidence = number_of(report, "confidence");
+  scan.part = text_of(report, "part");
+  // The report of a scan that was set aside does not say it.
+  if (scan.part.empty()) scan.part = marked_part(folder);
+  scan.foot = text_of(report, "foot");
+  scan.size = text_of(report, "size");
   if (const auto account = report.find("scan"); account != report.end())
     scan.scan_s = number_of(*account, "duration_s");
   if (const auto stages = report.find("stages"); stages != report.end() && stages->is_object()) {

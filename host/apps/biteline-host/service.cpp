@@ -127,6 +127,7 @@ Result<ExitStatus> Service::run(const std::atomic<bool>& stop) {
   BITELINE_TRY(watch_pendant());
   take_up_order();
   find_unfinished();
+  forget_used_part();
   look_for_next_folder();
   while (!stop) {
     keep_web();
@@ -144,7 +145,8 @@ Result<ExitStatus> Service::run(const std::atomic<bool>& stop) {
     if (!heard) {
       link_.reset();
       sensor_heard_ = false;
-      cockpit_->lose_sensor(to_line(heard.error()));
+      sensor_lost_ = to_line(heard.error());
+      cockpit_->lose_sensor(sensor_lost_);
       // With the scan in, nobody waits for the sensor any more.
       const bool scan_in = scan_ && scan_->intake.ended();
       if (options_.once && !result_.valid() && !waits() && !scan_in)
@@ -156,6 +158,7 @@ Result<ExitStatus> Service::run(const std::atomic<bool>& stop) {
     if (const std::optional<Result<ExitStatus>> status = result_done()) {
       if (options_.once && !waits()) return *status;
       if (!*status) complain(status->error());
+      rest_after(*status);
     }
     show_idle();
   }

@@ -13,19 +13,24 @@
 #include "host/apps/biteline-host/cockpit.hpp"
 #include "host/apps/biteline-host/confirm.hpp"
 #include "host/apps/biteline-host/options.hpp"
+#include "host/apps/biteline-host/recognise.hpp"
 #include "host/apps/biteline-host/steps.hpp"
 #include "host/apps/biteline-host/taken_process.hpp"
+#include "host/apps/biteline-host/told_once.hpp"
 #include "host/calibration/drift/evidence.hpp"
 #include "host/intake/child_process.hpp"
 #include "host/intake/live_line.hpp"
 #include "host/intake/scan_intake.hpp"
 #include "host/records/centre_word/centre_word.hpp"
 #include "host/records/release/shelf.hpp"
+#include "host/records/report/ended_by.hpp"
 #include "host/records/report/file_lock.hpp"
+#include "host/records/report/refusal.hpp"
 #include "host/robot/kinematics/arm_model.hpp"
 #include "host/robot/link/ur/arm_claim.hpp"
 #include "host/robot/link/ur/pendant_watch.hpp"
 #include "host/robot/path/process.hpp"
+#include "host/robot/path/zones.hpp"
 
 namespace biteline::service {
 
@@ -55,7 +60,11 @@ class Service {
   struct Chosen {
     std::string model;
     double probability{0};
-    std::string unknown{};  ///< why no model is named, where a person is to name it
+    std::string sample{};        ///< of that model in the library: whose line and process it is
+    std::string foot{}, size{};  ///< as recognised or ordered; empty: nobody knows
+    std::string part{};          ///< part number; empty: none was told
+    std::string told_twice{};    ///< that part was worked before: why a person has to look
+    std::string unknown{};       ///< why no model is named, where a person is to name it
     std::string process_name;
     std::string
         process_by{};    ///< whose word the process is; empty: nobody's, the model's or the service's own
@@ -66,6 +75,9 @@ class Service {
     memory::Evidence written{};  ///< what was looked at, as the service wrote it
     std::optional<memory::Places> places{};
     std::optional<release::InForce> release{};  ///< else the cell's own library and processes
+
+    /// What it was recognised as, or named; what nobody knows of foot and size stays as it was ordered.
+    void take(const Recognised& recognised);
   };
   /// A scan and the folder it belongs to.
   struct Scan {
@@ -91,6 +103,17 @@ class Service {
     robot::StopMark mark{};
     int connection{0};
   };
+  /// No scan is asked for at once: the machine spoilt the last one, or the sensor did not begin it.
+  struct Rest {
+    HostClock::time_point until{};
+    std::string words;      ///< what is wrong
+    std::string next_step;  ///< what helps
+  };
+  /// Who ended the scan whose row was written last.
+  struct LastEnd {
+    report::EndedBy who{report::EndedBy::Nobody};
+    report::ToldRefusal told{};
+  };
   /// A checked path that waits for a person's word.
   struct Held {
     std::filesystem::path folder;
@@ -103,9 +126,11 @@ class Service {
   struct Ordered {
     api::Job job{};
     std::string who{};
-    bool taught{false};    ///< said of a scan that waited; it holds for those after it
-    std::string model{};   ///< of that scan
-    std::string sha256{};  ///< of that process
+    bool taught{false};           ///< said of a scan that waited; it holds for those after it
+    std::string model{};          ///< of that scan
+    std::string sha256{};         ///< of that process
+    robot::StopMark part_mark{};  ///< of when the part number was said: a stop ends it
+    memory::UnixMs part_said{0};  ///< the same for a service after this one
   };
   /// A scan that waits until a person names its model.
   struct Unnamed {
@@ -128,6 +153,13 @@ class Service {
   [[nodiscard]] Result<void> hear_sensor();
   [[nodiscard]] Result<void> on_event(const intake::LinkEvent& event);
   [[nodiscard]] Result<void> on_hello(const intake::Hello& hello);
+  /// The sensor has said no to a scan: told as that, and asked again later.
+  [[nodiscard]] Result<void> on_refused_start(const std::string& why);
+  /// After a scan that the machine spoilt: the next one is asked for later, and later each time.  A start is
+  /// a person's word to ask at once; where each scan has its own start nothing is asked for by itself.
+  void rest_after(const Result<ExitStatus>& status);
+  void rest(const std::string& words, const std::string& next_step);
+  [[nodiscard]] bool rests();
   /// Goes on with a scan as far as it has come.
   void hold_scan(const std::filesystem::path& folder, intake::ScanIntake intake);
   /// The scans that predecessors of this process did not finish.
@@ -180,28 +212,42 @@ class Service {
   void check_own_calibration(Scan& scan, const intake::ScanOutcome& outcome);
   /// The same with the library: whose line it is, and the process of that model.
   [[nodiscard]] Result<LineStep> use_library(Scan& scan, const intake::ScanOutcome& outcome, LineStep found);
+  /// The scan's own line weighed against its model's, or the model's carried over.
+  [[nodiscard]] Result<LineStep> use_model(const std::filesystem::path& folder,
+                                           const intake::ScanOutcome& outcome, Chosen& chosen,
+                                           const Recognised& model, transfer::SampleFiles sample,
+                                           LineStep found) const;
   /// A line for review whose model is known: the model's own line, carried over, or the line for review where
   /// that is refused.
   [[nodiscard]] Result<LineStep> carry_or_review(const std::filesystem::path& folder, Carrier carrier,
                                                  const intake::ScanOutcome& outcome, const Chosen& chosen,
                                                  LineStep found) const;
   [[nodiscard]] const TakenProcess& taken_of(const Chosen& chosen) const;
-  [[nodiscard]] const path::Process& process_of(const Chosen& chosen) const {
-    return taken_of(chosen).process;
+  /// As it lies on the shoe's foot.
+  [[nodiscard]] path::Process process_of(const Chosen& chosen) const {
+    return path::on_foot(taken_of(chosen).process, chosen.foot);
   }
   [[nodiscard]] Result<void> choose_process(Chosen& chosen) const;
   /// A model that was recognised has a process of its own, and a person has taken another one for the shoe
   /// before: neither is used unseen.
   void look_at_other_process(Chosen& chosen) const;
+  /// A shoe of this part number was worked before: a person looks before it is worked again.
+  void look_at_part(Chosen& chosen, const std::filesystem::path& folder) const;
   /// What the next scan is worked with, and kept for a service after this one.
   void order(Ordered ordered);
   void order_by(const Wish& start);
+  /// The shoe that is scanned again has the part number that it had, unless somebody has said stop since.
+  void order_part_again(const Wish& rescan);
+  /// Pre: a scan begins.  The part number that was said is its own, and of no later one.
+  void take_part();
   /// A person has taken this process for a scan that waits: the scans after it have it, too.
   void order_taught(const std::string& process, const Chosen& chosen);
   /// It stands in a model now, which will be recognised.
   void order_is_saved(const Wish& saved);
   /// As the service before this one left it; what no process answers for any more is told when it is used.
   void take_up_order();
+  /// What was said before this service, and is of a scan that it left unfinished, is of no other one.
+  void forget_used_part();
   [[nodiscard]] Ordered ordered() const;
   /// Between scans doors are told what the next shoe is worked with.
   void show_next_process();
@@ -281,14 +327,25 @@ class Service {
   std::optional<Held> held_;        ///< by the result's thread; read when that is done
   std::optional<Unnamed> unnamed_;  ///< the same
   std::optional<intake::ChildProcess> web_;
-  HostClock::time_point web_started_{};
+  HostClock::time_point web_started_{}, web_next_{};
   HostClock::time_point centre_looked_{};
   std::optional<centre_word::CentreWord> centre_{};  ///< as it was told last
   HostClock::time_point robot_asked_{};
-  bool robot_wrong_{false};
+  std::string robot_wrong_;  ///< what; empty: nothing, or nobody has asked
   bool robot_moves_{false};  ///< and that is all that is wrong: it will stand
+  ToldOnce told_;            ///< of robot and page, by the caller's thread
+  ToldOnce spoilt_;          ///< of scans that do not come, or are no use; the same
+  std::optional<Rest> rest_{};
+  std::string sensor_lost_;  ///< why; empty: nobody has called it, or it is heard
+  LastEnd last_end_{};       ///< by the result's thread; read when that is done
   std::unique_ptr<std::mutex> job_mutex_{std::make_unique<std::mutex>()};
-  Ordered ordered_;                     ///< chosen at a door; read by the result's thread
+  Ordered ordered_;  ///< chosen at a door; read by the result's thread
+  /// Of the last start or scan: what a shoe that is scanned again is called.
+  struct AtTheCell {
+    std::string part{};
+    robot::StopMark mark{};
+  };
+  AtTheCell shoe_;
   HostClock::time_point next_shown_{};  ///< what the next shoe is worked with; the same mutex
   bool sensor_heard_{false};            ///< on this connection
   std::future<std::filesystem::path> next_folder_;

@@ -16,6 +16,8 @@ using std::chrono::milliseconds;
 
 /// A robot that is not ready, or a page that ended, is looked at again.
 constexpr Nanoseconds k_between_looks = milliseconds{2000};
+/// A page that has run for so long came up well.
+constexpr Nanoseconds k_web_is_well = std::chrono::minutes{1};
 
 /// Of what a page shows of a scan that waits: a yes to another one is none.
 std::string version_of(const std::filesystem::path& folder, const memory::Evidence& written) {
@@ -50,9 +52,15 @@ void Service::show_idle() {
   if (cockpit_->paused() && !waits_for_start) {
     cockpit_->show(Phase::Stopped, "no scan is asked for", "start, when the cell is clear");
   } else if (!sensor_heard_) {
-    cockpit_->show(Phase::Fault, "no sensor", "it is called again each second");
-  } else if (robot_wrong_) {
-    cockpit_->show(Phase::Fault, "the robot is not ready", "the next scan, once it is");
+    cockpit_->show(Phase::Fault, sensor_lost_.empty() ? "no sensor" : sensor_lost_,
+                   "it is called again each second");
+  } else if (!robot_wrong_.empty()) {
+    cockpit_->show(Phase::Fault, "the robot is not ready: " + robot_wrong_, "the next scan, once it is");
+  } else if (rest_ && waits_for_start) {
+    // A fault would take no start.
+    cockpit_->show(Phase::Waiting, "waits for a start: " + rest_->words, rest_->next_step);
+  } else if (rest_) {
+    cockpit_->show(Phase::Fault, rest_->words, rest_->next_step);
   } else if (waits_for_start) {
     cockpit_->show(Phase::Waiting, "waits for a start", "one scan for each start");
   } else {
@@ -90,11 +98,16 @@ void Service::keep_web() {
   }
   if (web_ && web_->running()) return;
   if (web_) {
-    say_step("biteline-web has ended: %s; it is started again", web_->last_words().c_str());
+    const std::string words = "biteline-web has ended: " + web_->last_words() + "; it is started again";
+    const ToldOnce::Heard heard = told_.hear(words, now());
+    if (heard.tells) say_step("%s", with_count(words, heard).c_str());
+    // One that has run for long is started at once.
+    web_next_ = std::min(now() + heard.wait, web_started_ + k_web_is_well);
     web_.reset();
   }
-  if (web_started_ != HostClock::time_point{} && now() - web_started_ < k_between_looks) return;
+  if (now() < web_next_) return;
   web_started_ = now();
+  web_next_ = web_started_ + k_between_looks;
   std::vector<std::string> arguments{"--control", cockpit_->address(), "--exit-with-parent"};
   if (!options_.doors.web_address.empty())
     arguments.insert(arguments.end(), {"--listen", options_.doors.web_address});
@@ -181,6 +194,10 @@ void Service::heed(const Wish& wish) {
     case Wish::Kind::Rescan:
       say_step("%s by %s", wish.kind == Wish::Kind::Start ? "started" : "scanned again", wish.who.c_str());
       if (wish.kind == Wish::Kind::Start) order_by(wish);
+      if (wish.kind == Wish::Kind::Rescan) order_part_again(wish);
+      // Whoever says so has looked: at once, and told anew.
+      rest_.reset();
+      spoilt_.mended();
       // What a stop cut short is over; an idle sensor is asked.
       if (link_ && !scan_ && !result_.valid()) sensor_idle_ = true;
       return;
@@ -275,15 +292,18 @@ Result<void> Service::watch_pendant() {
 
 bool Service::robot_ready() {
   if (!robot_ || !robot_->options.send) return true;
-  if (robot_wrong_ && now() - robot_asked_ < k_between_looks) return false;
+  if (!robot_wrong_.empty() && now() - robot_asked_ < k_between_looks) return false;
   const ControllerLook look =
       look_at_controller(controller_of(robot_->options), robot_->arm.name, robot_->options.serial);
   robot_asked_ = now();
-  const bool was_wrong = std::exchange(robot_wrong_, !look.wrong.empty());
+  robot_wrong_ = look.wrong;
   robot_moves_ = look.moves;
   cockpit_->hear(look.words, look.wrong);
-  if (robot_wrong_ && !was_wrong) say_step("no scan is spent: %s", look.wrong.c_str());
-  return !robot_wrong_;
+  if (robot_wrong_.empty()) return true;
+  const std::string words = "no scan is spent: " + robot_wrong_;
+  const ToldOnce::Heard heard = told_.hear(words, robot_asked_);
+  if (heard.tells) say_step("%s", with_count(words, heard).c_str());
+  return false;
 }
 
 }  // namespace biteline::service

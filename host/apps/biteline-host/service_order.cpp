@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: MIT
 // What the next shoe is worked with, and whose word that is: one answer for page, row, path and arm.
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "host/apps/biteline-host/part.hpp"
 #include "host/apps/biteline-host/service.hpp"
 #include "host/apps/biteline-host/service_words.hpp"
 #include "host/records/report/json_text.hpp"
 #include "host/records/report/report.hpp"
-#include "host/transfer/library.hpp"
+#include "host/transfer/models.hpp"
 
 namespace biteline::service {
 namespace {
@@ -24,6 +26,21 @@ std::string field_of(const Json& json, const char* key) {
   return found != json.end() && found->is_string() ? found->get<std::string>() : std::string{};
 }
 
+bool says_nothing(const api::Job& job) {
+  return job.model.empty() && job.process.empty() && job.foot.empty() && job.size.empty() && job.part.empty();
+}
+
+/// "the process grind, the model boot", as far as they were said.
+std::string words_of(const api::Job& job) {
+  std::string words;
+  for (const auto& [what, text] :
+       {std::pair{"the process ", &job.process}, std::pair{"the model ", &job.model},
+        std::pair{"the foot ", &job.foot}, std::pair{"the size ", &job.size},
+        std::pair{"the part number ", &job.part}})
+    if (!text->empty()) words += (words.empty() ? "" : ", ") + (what + *text);
+  return words;
+}
+
 }  // namespace
 
 Service::Ordered Service::ordered() const {
@@ -33,8 +50,13 @@ Service::Ordered Service::ordered() const {
 
 void Service::order(Ordered ordered) {
   const std::string process = ordered.job.process, who = ordered.who;
+  const bool nothing = says_nothing(ordered.job);
   const Json json{{"model", ordered.job.model},
                   {"process", ordered.job.process},
+                  {"foot", ordered.job.foot},
+                  {"size", ordered.job.size},
+                  {"part", ordered.job.part},
+                  {"part_said", ordered.part_said},
                   {"who", ordered.who},
                   {"taught", ordered.taught},
                   {"taught_model", ordered.model},
@@ -48,7 +70,6 @@ void Service::order(Ordered ordered) {
   }
   const std::string text = report::to_text(json);
   const Result<std::optional<std::string>> kept = cockpit_->memory().setting(k_order_key);
-  const bool nothing = process.empty() && json["model"] == "";
   if (kept && (*kept ? **kept == text : nothing)) return;
   const Result<void> put = cockpit_->memory().put_setting(k_order_key, text,
                                                           {.id = 0,
@@ -66,14 +87,54 @@ void Service::order_by(const Wish& start) {
   Ordered next = ordered();
   if (start.job.keep_process && !next.job.process.empty()) {
     next.job.model = start.job.model;
+    next.job.foot = start.job.foot;
+    next.job.size = start.job.size;
+    next.job.part = start.job.part;
   } else {
     next = {.job = start.job, .who = start.who};
   }
+  next.part_mark = start.mark;
+  next.part_said = next.job.part.empty() ? 0 : memory::now_ms();
+  shoe_ = {.part = next.job.part, .mark = start.mark};
   order(std::move(next));
 }
 
+void Service::order_part_again(const Wish& rescan) {
+  // After a stop nobody knows which shoe stands there.
+  if (shoe_.part.empty() || shoe_.mark.stopped()) return;
+  Ordered next = ordered();
+  next.job.part = shoe_.part;
+  next.part_mark = rescan.mark;
+  next.part_said = memory::now_ms();
+  order(std::move(next));
+}
+
+void Service::take_part() {
+  Ordered now;
+  {
+    // In the memory it stands on with the time when it was said: whoever writes there may wait, and the
+    // sensor must hear this thread.
+    const std::lock_guard lock{*job_mutex_};
+    now = ordered_;
+    // One that a stop has ended is forgotten when nothing is in work, also in the memory.
+    if (now.part_mark.stopped()) {
+      now.job.part.clear();
+    } else {
+      ordered_.job.part.clear();
+    }
+  }
+  Chosen& chosen = scan_->chosen;
+  chosen.part = now.job.part;
+  chosen.foot = now.job.foot;
+  chosen.size = now.job.size;
+  shoe_ = {.part = chosen.part, .mark = scan_->mark};
+  cockpit_->show_shoe({.part = chosen.part, .foot = chosen.foot, .size = chosen.size});
+  if (chosen.part.empty()) return;
+  if (const Result<void> marked = mark_part(scan_->folder, chosen.part); !marked) complain(marked.error());
+}
+
 void Service::order_taught(const std::string& process, const Chosen& chosen) {
-  order({.job = {.model = {}, .process = process},
+  order({.job = {.model = {}, .process = process, .foot = {}, .size = {}, .part = {}},
          .who = chosen.process_by,
          .taught = true,
          .model = chosen.model,
@@ -93,35 +154,55 @@ void Service::take_up_order() {
   if (!*kept) return;
   const Json json = Json::parse(**kept, nullptr, false);
   if (!json.is_object()) return;
-  Ordered before{.job = {.model = field_of(json, "model"), .process = field_of(json, "process")},
+  Ordered before{.job = {.model = field_of(json, "model"),
+                         .process = field_of(json, "process"),
+                         .foot = field_of(json, "foot"),
+                         .size = field_of(json, "size"),
+                         .part = field_of(json, "part")},
                  .who = field_of(json, "who"),
                  .taught = json.value("taught", Json(false)) == true,
                  .model = field_of(json, "taught_model"),
-                 .sha256 = field_of(json, "sha256")};
-  if (before.job.process.empty() && before.job.model.empty()) return;
+                 .sha256 = field_of(json, "sha256"),
+                 .part_mark = cockpit_->going(),
+                 .part_said = json.contains("part_said") && json["part_said"].is_number_integer()
+                                  ? json["part_said"].get<memory::UnixMs>()
+                                  : 0};
+  if (is_used_up(cockpit_->memory(), before.job.part, before.part_said)) before.job.part.clear();
+  if (says_nothing(before.job)) return;
   // Another --process than then is the newer word.
   if (field_of(json, "beside") != robot_->process.sha256) {
     say_step("the process of the last start (%s, by %s) ends here: --process is another one",
              before.job.process.c_str(), before.who.c_str());
     return order({});
   }
-  say_step("goes on with %s%s%s, as %s said: a start that names another ends it",
-           before.job.process.empty() ? "the model " : "the process ",
-           before.job.process.empty() ? before.job.model.c_str() : before.job.process.c_str(),
-           before.job.process.empty() || before.job.model.empty() ? "" : " and its model",
+  say_step("goes on with %s, as %s said: a start that names another ends it", words_of(before.job).c_str(),
            before.who.c_str());
   const std::lock_guard lock{*job_mutex_};
   ordered_ = std::move(before);
 }
 
+void Service::forget_used_part() {
+  const std::string part = ordered().job.part;
+  const auto is_its = [&part](const fs::path& folder) { return marked_part(folder) == part; };
+  if (part.empty() || std::ranges::none_of(unfinished_, is_its)) return;
+  const std::lock_guard lock{*job_mutex_};
+  ordered_.job.part.clear();
+}
+
 void Service::show_next_process() {
-  if (!robot_) return;
   {
     const std::lock_guard lock{*job_mutex_};
     if (next_shown_ != HostClock::time_point{} && now() - next_shown_ < k_between_orders) return;
     next_shown_ = now();
   }
-  const Ordered next = ordered();
+  Ordered next = ordered();
+  if (!next.job.part.empty() && next.part_mark.stopped()) {
+    next.job.part.clear();
+    order(next);
+  }
+  // Of the scan that comes in it was said when that began.
+  if (!scan_) cockpit_->show_shoe({.part = next.job.part, .foot = next.job.foot, .size = next.job.size});
+  if (!robot_) return;
   Chosen chosen;
   chosen.model = carrier_ ? std::string{} : next.job.model;
   chosen.process_name = carrier_ ? std::string{} : next.job.process;
@@ -136,10 +217,9 @@ void Service::show_next_process() {
 void Service::look_at_other_process(Chosen& chosen) const {
   if (!robot_ || !chosen.taught || !chosen.process || chosen.model.empty()) return;
   if (chosen.model == chosen.taught_model) return;
-  const fs::path own = stock_for(chosen).models.path_of(chosen.model) / transfer::k_process_file;
-  std::error_code error;
+  const fs::path own = transfer::process_of(stock_for(chosen).models, chosen.model, chosen.sample);
   std::string name = robot_->process.process.name, sha256 = robot_->process.sha256;
-  if (fs::exists(own, error)) {
+  if (!own.empty()) {
     const Result<TakenProcess> taken = take_process(own);
     name = taken ? taken->process.name : "one that cannot be read";
     sha256 = taken ? taken->sha256 : "";
@@ -147,6 +227,10 @@ void Service::look_at_other_process(Chosen& chosen) const {
   if (sha256 == chosen.process->sha256) return;
   chosen.other_process = "the process of " + chosen.model + " is " + name + ", and " + chosen.process_by +
                          " took " + chosen.process_name + " for the shoe before";
+}
+
+void Service::look_at_part(Chosen& chosen, const fs::path& folder) const {
+  chosen.told_twice = worked_before(cockpit_->memory(), folder.filename().string(), chosen.part);
 }
 
 Result<void> Service::keep_process(const fs::path& folder, const Chosen& chosen) const {

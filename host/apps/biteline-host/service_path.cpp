@@ -66,17 +66,24 @@ Result<ExitStatus> Service::work_out_path(Scan& scan, const intake::ScanOutcome&
                    .process_file = taken_of(scan.chosen).file};
   if (options_.stop_on_drift) check_own_calibration(scan, outcome);
   const bool drift_stops = scan.drifted && options_.stop_on_drift;
-  const bool must = needs_a_person(process_of(scan.chosen).gate, line.confidence) || drift_stops ||
-                    !scan.chosen.other_process.empty();
+  look_at_part(scan.chosen, scan.folder);
+  // Nobody asked for a person, and yet one has to look.
+  std::string looks = scan.chosen.other_process;
+  if (!scan.chosen.told_twice.empty()) looks += (looks.empty() ? "" : "; ") + scan.chosen.told_twice;
+  if (scan.chosen.foot.empty() && path::needs_foot(taken_of(scan.chosen).process))
+    looks += std::string{looks.empty() ? "" : "; "} + "the process has stretches of a " +
+             taken_of(scan.chosen).process.foot + " shoe, and nobody knows this one's foot";
+  const bool must =
+      needs_a_person(process_of(scan.chosen).gate, line.confidence) || drift_stops || !looks.empty();
   const bool goes = wanted && !must;
-  const bool hold = (goes ? cockpit_->wants_hold_at_last(name) : cockpit_->wants_hold(name)) ||
-                    !scan.chosen.other_process.empty();
+  const bool hold =
+      (goes ? cockpit_->wants_hold_at_last(name) : cockpit_->wants_hold(name)) || !looks.empty();
   const bool asks = must || hold;
   const bool waits_for_person = wanted && asks && !facts.confirmed && cockpit_->has_doors();
   if (waits_for_person || (held && robot_->options.send)) {
     say_step("%s is held: a person must %s%s%s", name.c_str(),
-             line.status == ExitStatus::Review ? "settle its line" : "accept it",
-             scan.chosen.other_process.empty() ? "" : ": ", scan.chosen.other_process.c_str());
+             line.status == ExitStatus::Review ? "settle its line" : "accept it", looks.empty() ? "" : ": ",
+             looks.c_str());
     held_.emplace(Held{.folder = scan.folder,
                        .intake = std::move(scan.intake),
                        .plan = std::move(plan),
@@ -94,6 +101,11 @@ Result<ExitStatus> Service::work_out_path(Scan& scan, const intake::ScanOutcome&
         "refused: the path of %s is not sent: the calibration has drifted, or could not be checked; a person "
         "who has looked may say --confirm %s",
         name.c_str(), name.c_str());
+    return ExitStatus::Refused;
+  }
+  if (!looks.empty() && !facts.confirmed) {
+    say_step("refused: the path of %s is not sent: %s; a person who has looked may say --confirm %s",
+             name.c_str(), looks.c_str(), name.c_str());
     return ExitStatus::Refused;
   }
   if (hold && !facts.confirmed) {

@@ -2,11 +2,13 @@
 // What stays of a scan: its row in the memory, and its folder as long as retention keeps it.
 #include <string>
 
+#include "host/apps/biteline-host/part.hpp"
 #include "host/apps/biteline-host/refused.hpp"
 #include "host/apps/biteline-host/scan_row.hpp"
 #include "host/apps/biteline-host/service.hpp"
 #include "host/apps/biteline-host/service_words.hpp"
 #include "host/records/evidence/evidence.hpp"
+#include "host/records/memory/history.hpp"
 
 namespace biteline::service {
 namespace {
@@ -64,6 +66,11 @@ void Service::remember(const fs::path& folder, const std::string& decision, cons
   row->cycle_s = cockpit_->cycle_s();
   row->process = chosen.process_name;
   row->model = chosen.model;
+  // A scan that nobody came to work out has them in its folder alone.
+  if (!chosen.part.empty()) row->part = chosen.part;
+  if (!chosen.foot.empty()) row->foot = chosen.foot;
+  if (!chosen.size.empty()) row->size = chosen.size;
+  cockpit_->show_shoe({.part = row->part, .foot = row->foot, .size = row->size});
   if (chosen.probability > 0) row->model_probability = chosen.probability;
   if (const std::optional<accounts::Holder> holder = cockpit_->accounts().holder())
     row->operator_name = holder->name;
@@ -84,6 +91,19 @@ void Service::remember(const fs::path& folder, const std::string& decision, cons
              row->reason_code.empty()) {
     const report::ToldRefusal told =
         report::told(Refusal{.code = Refused::OtherProcess, .reason = chosen.other_process});
+    row->reason_code = told.reason_code;
+    row->reason = told.reason;
+    row->next_step = told.next_step;
+  }
+  // Also where no door is open and nothing waits.
+  const bool has_line = row->verdict == "ok" || row->verdict == "amber" || row->verdict == "review";
+  const std::string twice =
+      has_line && !row->sent ? worked_before(cockpit_->memory(), row->name, row->part) : "";
+  if (!twice.empty() && !row->reason_code.empty()) {
+    row->reason += "; " + twice;
+  } else if (!twice.empty()) {
+    const report::ToldRefusal told =
+        report::told(Refusal{.code = Refused::PartWorkedBefore, .reason = twice});
     row->reason_code = told.reason_code;
     row->reason = told.reason;
     row->next_step = told.next_step;
@@ -112,6 +132,8 @@ void Service::remember(const fs::path& folder, const std::string& decision, cons
   }
   if (still_held) tell_held();
   words.unlock();
+  last_end_ = {.who = memory::ended_by(*row),
+               .told = {.reason_code = row->reason_code, .reason = row->reason, .next_step = row->next_step}};
   if (!still_held) cockpit_->end_cycle(*row);
   cockpit_->tell_scan(row->name);
 }

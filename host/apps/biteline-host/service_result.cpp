@@ -7,12 +7,13 @@
 #include "host/apps/biteline-host/arm_memory.hpp"
 #include "host/apps/biteline-host/attempt.hpp"
 #include "host/apps/biteline-host/calibration_check.hpp"
+#include "host/apps/biteline-host/part.hpp"
 #include "host/apps/biteline-host/prior_step.hpp"
 #include "host/apps/biteline-host/recognise.hpp"
 #include "host/apps/biteline-host/service.hpp"
 #include "host/apps/biteline-host/service_words.hpp"
 #include "host/records/evidence/evidence.hpp"
-#include "host/transfer/library.hpp"
+#include "host/transfer/models.hpp"
 
 namespace biteline::service {
 namespace {
@@ -35,6 +36,8 @@ Result<ExitStatus> Service::work_out(Scan scan) {
 }
 
 void Service::close_result(const fs::path& folder, Chosen chosen) {
+  const ShoeWords shoe{.part = chosen.part, .foot = chosen.foot, .size = chosen.size};
+  if (const Result<void> told = tell_shoe(folder, shoe); !told) complain(told.error());
   // From here on nobody but a mend writes them.
   if (const Result<memory::Evidence> now = evidence::of_folder(folder)) {
     if (chosen.written == memory::Evidence{}) chosen.written = *now;
@@ -172,10 +175,21 @@ void Service::check_own_calibration(Scan& scan, const intake::ScanOutcome& outco
   scan.drifted = options_.stop_on_drift;
 }
 
+void Service::Chosen::take(const Recognised& recognised) {
+  model = recognised.model;
+  sample = recognised.sample;
+  probability = recognised.probability;
+  if (!recognised.foot.empty()) foot = recognised.foot;
+  if (!recognised.size.empty()) size = recognised.size;
+}
+
 Result<LineStep> Service::use_library(Scan& scan, const intake::ScanOutcome& outcome, LineStep found) {
   Chosen& chosen = scan.chosen;
   const Ordered now = ordered();
-  chosen.model = now.job.model;
+  const transfer::ModelOrder order{.model = now.job.model, .foot = now.job.foot, .size = now.job.size};
+  chosen.model = order.model;
+  chosen.foot = order.foot;
+  chosen.size = order.size;
   chosen.process_name = now.job.process;
   if (!chosen.process_name.empty()) {
     chosen.process_by = now.who;
@@ -188,51 +202,49 @@ Result<LineStep> Service::use_library(Scan& scan, const intake::ScanOutcome& out
     cockpit_->show_model(chosen.model, chosen.probability, {chosen.process_name, chosen.process_by});
     return found;
   }
-  chosen.probability = 1;
-  std::optional<transfer::Alignment> alignment;
-  if (chosen.model.empty()) {
-    BITELINE_ASSIGN(Recognised model, recognise(library, outcome.cloud));
-    say_step("%s", model.words.c_str());
-    cockpit_->show_model(model.name, model.probability, {chosen.process_name, chosen.process_by});
+  BITELINE_ASSIGN(const Recognised model, options_.models ? recognise(library, outcome.cloud, order)
+                                                          : take_named(library, outcome.cloud, order));
+  say_step("%s", model.words.c_str());
+  if (!model.sure()) {
+    cockpit_->show_model(model.model, model.probability, {chosen.process_name, chosen.process_by});
     // Without a line and without a model that is near, nobody could go on.
-    const bool somebody_may = cockpit_->has_doors() && (found.line || !model.name.empty());
-    if (!model.sure() && somebody_may) {
+    const bool somebody_may =
+        cockpit_->has_doors() && (found.line || !model.model.empty() || !order.model.empty());
+    if (somebody_may) {
       chosen.unknown = model.words;
       return found;
     }
-    if (!model.sure()) {
-      BITELINE_TRY(found.pages.write(outcome.cloud));
-      BITELINE_TRY(refuse_unknown(scan.folder, model.words, hash_of(chosen.release)));
-      return LineStep{.status = ExitStatus::Refused, .confidence = 0, .line = {}};
-    }
-    chosen.model = model.name;
-    chosen.probability = model.probability;
-    alignment = std::move(model.alignment);
+    BITELINE_TRY(found.pages.write(outcome.cloud));
+    BITELINE_TRY(refuse_unknown(scan.folder, model.words, hash_of(chosen.release)));
+    return LineStep{.status = ExitStatus::Refused, .confidence = 0, .line = {}};
   }
-  BITELINE_ASSIGN(transfer::SampleFiles sample, library.load(chosen.model));
+  chosen.take(model);
+  BITELINE_ASSIGN(transfer::SampleFiles sample, library.load(chosen.sample));
   BITELINE_TRY(choose_process(chosen));
   // A model that was asked for together with a process is a person's word for both.
-  if (now.job.model.empty()) look_at_other_process(chosen);
+  if (order.model.empty()) look_at_other_process(chosen);
   cockpit_->show_model(chosen.model, chosen.probability, {chosen.process_name, chosen.process_by});
-  if (found.line && found.status == ExitStatus::Review) {
-    return carry_or_review(
-        scan.folder,
-        {.name = chosen.model, .sample = transfer::ReadySample{std::move(sample)}, .options = {}}, outcome,
-        chosen, std::move(found));
-  }
-  if (found.line) {
-    BITELINE_ASSIGN(
-        found, heed_mended_model(
-                   scan.folder, std::move(found), outcome.cloud,
-                   {.name = chosen.model, .sample = sample, .on_scan = alignment ? &*alignment : nullptr}));
-    if (alignment && found.line)
-      chosen.places = places_of(*found.line, sample.line, alignment->T_upper_sample);
+  cockpit_->show_shoe({.part = chosen.part, .foot = chosen.foot, .size = chosen.size});
+  return use_model(scan.folder, outcome, chosen, model, std::move(sample), std::move(found));
+}
+
+Result<LineStep> Service::use_model(const fs::path& folder, const intake::ScanOutcome& outcome,
+                                    Chosen& chosen, const Recognised& model, transfer::SampleFiles sample,
+                                    LineStep found) const {
+  if (found.line && found.status == ExitStatus::Done) {
+    BITELINE_ASSIGN(found, heed_mended_model(folder, std::move(found), outcome.cloud,
+                                             {.name = chosen.model,
+                                              .sample = sample,
+                                              .on_scan = model.on_scan ? &*model.on_scan : nullptr}));
+    if (model.on_scan && found.line) chosen.places = places_of(*found.line, model.on_scan->line);
     return found;
   }
+  Carrier carrier{.name = chosen.sample,
+                  .sample = transfer::ReadySample{std::move(sample)},
+                  .options = {.align = model.align}};
+  if (found.line) return carry_or_review(folder, std::move(carrier), outcome, chosen, std::move(found));
   // An upper without its sole: the model's line is carried over.
-  return carry_line(scan.folder,
-                    {.name = chosen.model, .sample = transfer::ReadySample{std::move(sample)}, .options = {}},
-                    outcome, known_before(), hash_of(chosen.release));
+  return carry_line(folder, carrier, outcome, known_before(), hash_of(chosen.release));
 }
 
 Result<LineStep> Service::carry_or_review(const fs::path& folder, Carrier carrier,
@@ -251,9 +263,10 @@ Result<void> Service::choose_process(Chosen& chosen) const {
   if (!chosen.process_name.empty()) {
     BITELINE_ASSIGN(const api::StoredProcess stored, processes.find(chosen.process_name));
     file = stored.file;
-  } else if (!chosen.model.empty() && fs::exists(library.path_of(chosen.model) / transfer::k_process_file)) {
-    file = library.path_of(chosen.model) / transfer::k_process_file;
-  } else if (!release.empty()) {
+  } else if (!chosen.model.empty()) {
+    file = transfer::process_of(library, chosen.model, chosen.sample);
+  }
+  if (file.empty() && chosen.process_name.empty() && !release.empty()) {
     // A process of the same file name as --process stands in its place.
     if (const auto stored = processes.find(robot_->options.process.stem().string())) file = stored->file;
   }
@@ -276,15 +289,20 @@ Result<ExitStatus> Service::work_named(Unnamed unnamed, const std::string& model
   const std::string name = folder.filename().string();
   cockpit_->show(Phase::Working, "works out " + name + " as " + model, robot_ ? "its path" : "the next scan");
   Chosen chosen;
-  chosen.model = model;
   // A job's process stays the job's, as where the model is recognised.
   chosen.process_name = scan.chosen.process_name;
   chosen.process_by = scan.chosen.process_by;
   chosen.taught = scan.chosen.taught;
   chosen.taught_model = scan.chosen.taught_model;
+  chosen.part = scan.chosen.part;
+  chosen.told_twice = scan.chosen.told_twice;
   // Of the release that it was looked for in.
   chosen.release = scan.chosen.release;
-  Result<transfer::SampleFiles> sample = stock_for(chosen).models.load(model);
+  const transfer::Library library = stock_for(chosen).models;
+  const Result<Recognised> named = take_named(library, unnamed.outcome.cloud, {.model = model});
+  if (named) chosen.take(*named);
+  Result<transfer::SampleFiles> sample =
+      named ? library.load(chosen.sample) : Result<transfer::SampleFiles>{tl::unexpected{named.error()}};
   const Result<void> process = sample ? choose_process(chosen) : Result<void>{};
   if (!sample || !process) {
     Error error = sample ? process.error() : sample.error();
@@ -295,31 +313,22 @@ Result<ExitStatus> Service::work_named(Unnamed unnamed, const std::string& model
   scan.chosen = chosen;
   cockpit_->show_model(chosen.model, 1, {chosen.process_name, chosen.process_by});
   const Result<ExitStatus> status = without_exceptions([&]() -> Result<ExitStatus> {
-    LineStep line = std::move(unnamed.line);
-    if (!line.line) {
-      const Carrier carrier{
-          .name = model, .sample = transfer::ReadySample{std::move(*sample)}, .options = {}};
-      BITELINE_ASSIGN(line,
-                      carry_line(folder, carrier, unnamed.outcome, known_before(), hash_of(chosen.release)));
-      BITELINE_TRY(line.pages.write(unnamed.outcome.cloud));
+    const bool was_line = unnamed.line.line.has_value();
+    const bool for_review = unnamed.line.status == ExitStatus::Review;
+    BITELINE_ASSIGN(LineStep line, use_model(folder, unnamed.outcome, scan.chosen, *named, std::move(*sample),
+                                             std::move(unnamed.line)));
+    if (!was_line || for_review) BITELINE_TRY(line.pages.write(unnamed.outcome.cloud));
+    if (!was_line) {
       // The report is a new one.
       scan.calibration_checked = false;
       check_own_calibration(scan, unnamed.outcome);
-    } else if (line.status == ExitStatus::Review) {
-      Carrier carrier{.name = model, .sample = transfer::ReadySample{std::move(*sample)}, .options = {}};
-      BITELINE_ASSIGN(line,
-                      carry_or_review(folder, std::move(carrier), unnamed.outcome, chosen, std::move(line)));
-      BITELINE_TRY(line.pages.write(unnamed.outcome.cloud));
-    } else {
-      BITELINE_ASSIGN(line, heed_mended_model(folder, std::move(line), unnamed.outcome.cloud,
-                                              {.name = model, .sample = *sample}));
     }
     if (line.line && robot_)
       return work_out_path(scan, unnamed.outcome, line, line.status == ExitStatus::Review);
     end_recording(scan.intake, line.status);
     return line.status;
   });
-  close_result(folder, chosen);
+  close_result(folder, scan.chosen);
   return status;
 }
 

@@ -45,6 +45,9 @@ Result<ExitStatus> Service::work_with(Unnamed unnamed, const std::string& proces
   chosen.process_name = process;
   chosen.process_by = who;
   chosen.taught = true;
+  chosen.part = scan.chosen.part;
+  chosen.foot = scan.chosen.foot;
+  chosen.size = scan.chosen.size;
   // Of the release that it was looked for in.
   chosen.release = scan.chosen.release;
   Result<void> possible = choose_process(chosen);

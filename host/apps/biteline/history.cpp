@@ -12,7 +12,7 @@ namespace {
 
 struct HistoryOptions {
   std::filesystem::path results;
-  std::string from, to, model, verdict, zone, day_begin;
+  std::string from, to, model, verdict, part, zone, day_begin;
   std::string separator{"comma"}, decimal{"point"};
   int limit{20};
   bool csv{false}, trends{false}, byte_mark{false};
@@ -33,6 +33,7 @@ Result<memory::ScanFilter> filter_of(const HistoryOptions& options, const memory
   }
   filter.model = options.model;
   filter.verdict = options.verdict;
+  filter.part = options.part;
   filter.limit = options.limit;
   return filter;
 }
@@ -60,8 +61,12 @@ nlohmann::ordered_json json_of(const memory::Scan& scan) {
           {"verdict", scan.verdict},
           {"reason_code", scan.reason_code},
           {"reason", scan.reason},
+          {"ended_by", report::name_of(memory::ended_by(scan))},
           {"model", scan.model},
           {"process", scan.process},
+          {"part", scan.part},
+          {"foot", scan.foot},
+          {"size", scan.size},
           {"length_mm", or_null(scan.length_mm)},
           {"confidence", or_null(scan.confidence)},
           {"u95_mm", or_null(scan.u95_mm)},
@@ -106,8 +111,14 @@ Result<ExitStatus> run_trends(const memory::Memory& memory, const memory::ScanFi
                  .c_str();
   }
   for (const memory::ReasonCount& reason : trends.reasons)
-    words +=
-        Text::format("\n%6lld  %s", static_cast<long long>(reason.scans), reason.reason_code.c_str()).c_str();
+    words += Text::format("\n%6lld  %-8s %s", static_cast<long long>(reason.scans),
+                          report::name_of(report::ended_by(reason.reason_code)), reason.reason_code.c_str())
+                 .c_str();
+  words += Text::format("\nended by a person %lld, by the machine %lld, by the shoe %lld",
+                        report.fields["ended_by"].value("person", 0LL),
+                        report.fields["ended_by"].value("machine", 0LL),
+                        report.fields["ended_by"].value("shoe", 0LL))
+               .c_str();
   return tell(report, {.quiet = false, .json = global.json}, words);
 }
 
@@ -150,6 +161,7 @@ void add_history(options::Command& app, Context& context) {
                       "At or after this day or time of the factory; with Z at its end UTC");
   command->add_option("--to", options->to, "Before this day or time, likewise");
   command->add_option("--model", options->model, "Of this model");
+  command->add_option("--part", options->part, "Of this part number; with * at its end all that begin so");
   command->add_option("--verdict", options->verdict, "Of this verdict")
       ->check(options::one_of({"working", "ok", "amber", "review", "refused", "failed"}));
   command->add_option("--limit", options->limit, "Newest so many")

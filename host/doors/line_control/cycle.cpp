@@ -50,11 +50,30 @@ Cycle::Start Cycle::start(int request, const Standing& standing) {
   if (!standing.sensor) return {.refusal = Refusal::NotReady};
   const Job* const job = find(state_.job);
   if (job == nullptr) return {.refusal = Refusal::NoJob};
-  begin(request);
-  return {.refusal = Refusal::None, .go = *job};
+  return {.refusal = Refusal::None, .go = *job, .part = begin(request)};
 }
 
-void Cycle::begin(int request) {
+Refusal Cycle::choose_part(const std::string& part, const Standing& standing) {
+  // As of a job: whoever says all of it each turn changes nothing by it.
+  if (part == (busy() ? part_in_work_ : next_part_)) return Refusal::None;
+  if (standing.control_held) return Refusal::ControlHeld;
+  if (busy()) return Refusal::Busy;
+  next_part_ = part;
+  return Refusal::None;
+}
+
+std::string Cycle::begin(int request, const std::string& part) {
+  part_in_work_ = part.empty() ? next_part_ : part;
+  next_part_.clear();
+  ask_scan(request);
+  return part_in_work_;
+}
+
+void Cycle::begin_again() {
+  ask_scan(0);
+}
+
+void Cycle::ask_scan(int request) {
   phase_ = Phase::Asked;
   request_ = request;
   if (request > 0) state_.taken = request;
@@ -62,9 +81,17 @@ void Cycle::begin(int request) {
   ++state_.counts.starts;
 }
 
+void Cycle::forget_part() {
+  next_part_.clear();
+  part_in_work_.clear();
+}
+
 void Cycle::scan_begins() {
   // Nobody asked for it here: one that an earlier service left, or of a recording.
-  if (phase_ == Phase::Idle) request_ = 0;
+  if (phase_ == Phase::Idle) {
+    request_ = 0;
+    part_in_work_.clear();
+  }
   phase_ = Phase::InWork;
   state_.done = false;
 }
@@ -78,7 +105,14 @@ void Cycle::scan_ends(const Ended& ended) {
   state_.length_mm = ended.length_mm;
   state_.u95_mm = ended.u95_mm;
   state_.confidence = ended.confidence;
-  const auto job = std::ranges::find(jobs_, ended.model, &Job::model);
+  state_.part = ended.part;
+  const auto is_of = [&ended](const Job& job) {
+    const auto fits = [](const std::string& wanted, const std::string& is) {
+      return wanted.empty() || wanted == is;
+    };
+    return job.model == ended.model && fits(job.foot, ended.foot) && fits(job.size, ended.size);
+  };
+  const auto job = std::ranges::find_if(jobs_, is_of);
   state_.model = ended.model.empty() || job == jobs_.end() ? 0 : job->number;
 }
 
@@ -89,6 +123,7 @@ void Cycle::give_up() {
   state_.sent = state_.followed = false;
   state_.length_mm = state_.u95_mm = state_.confidence = std::nullopt;
   state_.model = 0;
+  state_.part.clear();
 }
 
 void Cycle::finish(Verdict verdict) {
@@ -120,6 +155,7 @@ void Cycle::finish(Verdict verdict) {
 LineState Cycle::state(const Standing& standing, Step working, bool fault) const {
   LineState state = state_;
   state.busy = busy();
+  state.next_part = busy() ? part_in_work_ : next_part_;
   if (standing.stopped) {
     state.step = Step::Stopped;
   } else if (standing.deciding) {

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/doors/line_control/part_number.hpp"
+
 namespace biteline::line_control {
 namespace {
 
@@ -105,7 +107,9 @@ Json to_json(const LineState& state) {
           {"amber", state.counts.amber},
           {"refused", state.counts.refused},
           {"failed", state.counts.failed},
-          {"review", state.counts.review}};
+          {"review", state.counts.review},
+          {"part", state.part},
+          {"next_part", state.next_part}};
 }
 
 std::optional<LineState> line_state_of(const Json& json) {
@@ -144,6 +148,13 @@ std::optional<LineState> line_state_of(const Json& json) {
         std::pair{"amber", &state.counts.amber}, std::pair{"refused", &state.counts.refused},
         std::pair{"failed", &state.counts.failed}, std::pair{"review", &state.counts.review}}) {
     *count = static_cast<std::uint32_t>(number(key, k_count));
+  }
+  for (const auto& [key, part] : {std::pair{"part", &state.part}, std::pair{"next_part", &state.next_part}}) {
+    const auto found = json.find(key);
+    const bool is_text = found != json.end() && found->is_string();
+    const std::optional<std::string> read = is_text ? part_number(found->get<std::string>()) : std::nullopt;
+    sound = sound && read;
+    *part = read.value_or("");
   }
   if (!sound) return std::nullopt;
   return state;

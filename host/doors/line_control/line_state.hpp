@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 
 #include "host/doors/control/messages.hpp"
 
@@ -60,11 +61,13 @@ struct LineState {
   int taken{0};      ///< number of the last start of the line's control; 0: none
   int finished{0};   ///< number of the start whose scan is done; 0: a page's, or nobody's
   Verdict verdict{Verdict::None};
-  int model{0};  ///< the first job with the scan's model; 0: none has it
+  int model{0};  ///< the first job with the scan's model, foot and size; 0: none has them
   bool sent{false}, followed{false};
   int scan{0};  ///< 7 of scan-0007
   std::optional<double> length_mm{}, u95_mm{}, confidence{};
   Counts counts{};
+  std::string part{};       ///< of the last scan that is done
+  std::string next_part{};  ///< of the scan in work, else of the one that is started next
 };
 
 [[nodiscard]] control::Json to_json(const LineState& state);

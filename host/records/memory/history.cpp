@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 
 #include "common/core/fixed_text.hpp"
 
@@ -67,7 +68,8 @@ Result<std::string> history_csv(const Memory& memory, ScanFilter filter, const C
       "time",      "scan",         "model",    "model_probability", "verdict", "reason_code",
       "length_mm", "confidence",   "u95_mm",   "weak_stretches",    "scan_s",  "line_s",
       "cycle_s",   "process",      "decision", "decided_by",        "sent",    "followed",
-      "operator",  "line_version", "reason",   "local_time",        "day"};
+      "operator",  "line_version", "reason",   "local_time",        "day",     "part",
+      "foot",      "size",         "ended_by"};
   const Cells cell{style};
   std::string csv = style.byte_mark ? "\xEF\xBB\xBF" : "";
   for (std::size_t i = 0; i < k_columns.size(); ++i) {
@@ -102,7 +104,11 @@ Result<std::string> history_csv(const Memory& memory, ScanFilter filter, const C
                                                             std::to_string(scan.line_version),
                                                             cell.of(scan.reason),
                                                             local_time(scan.time),
-                                                            day.name_of(scan.time)};
+                                                            day.name_of(scan.time),
+                                                            cell.of(scan.part),
+                                                            cell.of(scan.foot),
+                                                            cell.of(scan.size),
+                                                            report::name_of(ended_by(scan))};
       for (std::size_t i = 0; i < cells.size(); ++i) {
         if (i > 0) csv += style.separator;
         csv += cells[i];
@@ -112,6 +118,16 @@ Result<std::string> history_csv(const Memory& memory, ScanFilter filter, const C
     if (page.next_id == 0) return csv;
     filter.before_id = page.next_id;
   }
+}
+
+report::EndedBy ended_by(const Scan& scan) {
+  using report::EndedBy;
+  if (scan.decision == "rejected") return EndedBy::Person;
+  if (scan.decision == "held" || scan.verdict == "working" || scan.verdict == "review")
+    return EndedBy::Nobody;
+  if (scan.verdict == "failed") return EndedBy::Machine;
+  const EndedBy who = report::ended_by(scan.reason_code);
+  return scan.verdict == "refused" && who == EndedBy::Nobody ? EndedBy::Shoe : who;
 }
 
 nlohmann::ordered_json to_json(const Trends& trends) {
@@ -129,8 +145,19 @@ nlohmann::ordered_json to_json(const Trends& trends) {
                                {"u95_mm", or_null(trend.median_u95_mm)},
                                {"length_mm", or_null(trend.mean_length_mm)}});
   }
-  for (const ReasonCount& reason : trends.reasons)
-    json["reasons"].push_back({{"reason_code", reason.reason_code}, {"scans", reason.scans}});
+  using report::EndedBy;
+  std::map<EndedBy, std::int64_t> ended{{EndedBy::Person, trends.stopped}};
+  for (const ReasonCount& reason : trends.reasons) {
+    const EndedBy who = report::ended_by(reason.reason_code);
+    ended[who] += reason.scans;
+    json["reasons"].push_back(
+        {{"reason_code", reason.reason_code},
+         {"scans", reason.scans},
+         {"ended_by",
+          who == EndedBy::Nobody ? nlohmann::ordered_json{} : nlohmann::ordered_json(report::name_of(who))}});
+  }
+  for (const EndedBy who : {EndedBy::Person, EndedBy::Machine, EndedBy::Shoe})
+    json["ended_by"][report::name_of(who)] = ended[who];
   return json;
 }
 

@@ -6,6 +6,7 @@
 
 #include "host/records/memory/factory_day.hpp"
 #include "host/records/memory/memory.hpp"
+#include "host/records/report/ended_by.hpp"
 
 namespace biteline::memory {
 
@@ -24,7 +25,10 @@ struct CsvStyle {
 [[nodiscard]] Result<std::string> history_csv(const Memory& memory, ScanFilter filter,
                                               const CsvStyle& style = {}, const FactoryDay& day = {});
 
-/// `buckets` and `reasons`.
+/// Who ended it, by its row; Nobody: it came to its end, or is still in work or held.
+[[nodiscard]] report::EndedBy ended_by(const Scan& scan);
+
+/// `buckets`, `reasons`, and in `ended_by` how many scans a person, the machine and the shoe have ended.
 [[nodiscard]] nlohmann::ordered_json to_json(const Trends& trends);
 
 /// Of the line's distance to the model's line, at each place.  Pp = T / (3 s), Ppk = (T - |m|) / (3 s), with

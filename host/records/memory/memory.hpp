@@ -32,6 +32,9 @@ struct Scan {
   UnixMs time{0};    ///< of its end
   std::string model;
   std::optional<double> model_probability{};
+  std::string foot;                                           ///< left or right
+  std::string size;                                           ///< as its samples name it, e.g. "EU 42"
+  std::string part;                                           ///< part number of the shoe
   std::string verdict;                                        ///< working, ok, amber, review, refused, failed
   std::string reason_code;                                    ///< of a refusal
   std::string reason;                                         ///< in words
@@ -68,6 +71,7 @@ inline constexpr const char* k_stopped_by_a_person = "stopped_by_a_person";
 struct ScanFilter {
   std::optional<UnixMs> from{}, to{};  ///< from <= time < to
   std::string model, verdict, reason_code;
+  std::string part;           ///< of this part number; with * at its end: of all that begin so
   std::int64_t before_id{0};  ///< the cursor; 0: from the newest
   int limit{100};             ///< at most k_most_scans
 };
@@ -119,6 +123,7 @@ struct PlaceSums {
 struct Trends {
   std::vector<Trend> buckets;        ///< oldest first
   std::vector<ReasonCount> reasons;  ///< most frequent first
+  std::int64_t stopped{0};           ///< by a person on their way: in none of both
 };
 
 /// What is kept of the shoes' folders.  Absent: no limit.
@@ -144,6 +149,9 @@ class Memory {
                                       const std::optional<Places>& places = {});
   [[nodiscard]] Result<std::optional<Scan>> scan(const std::string& name) const;
   [[nodiscard]] Result<ScanPage> scans(const ScanFilter& filter) const;
+  /// The newest scan of this part number that a path was sent for, apart from the one of this name.
+  [[nodiscard]] Result<std::optional<Scan>> sent_before(const std::string& part,
+                                                        const std::string& scan) const;
   /// Pre: the scan has a row.
   [[nodiscard]] Result<void> put_evidence(const std::string& scan, const Evidence& evidence);
   /// Nothing of scans that an older program wrote.

@@ -15,7 +15,7 @@ constexpr const char* k_scan_columns =
     "id, name, time, model, model_probability, verdict, reason_code, length_mm, confidence, u95_mm, "
     "weak_stretches, scan_s, line_s, cycle_s, operator, process, decision, decided_by, decided_at, sent, "
     "followed, "
-    "line_version, marked, reason, next_step, why";
+    "line_version, marked, reason, next_step, why, part, foot, size";
 constexpr const char* k_scan_tables = " FROM scans LEFT JOIN scan_texts ON scan = id";
 
 Scan scan_of(const Statement& row) {
@@ -45,6 +45,9 @@ Scan scan_of(const Statement& row) {
   scan.reason = row.text(23);
   scan.next_step = row.text(24);
   scan.why = row.text(25);
+  scan.part = row.text(26);
+  scan.foot = row.text(27);
+  scan.size = row.text(28);
   return scan;
 }
 
@@ -52,15 +55,16 @@ Scan scan_of(const Statement& row) {
 constexpr const char* k_put_scan = R"sql(
 INSERT INTO scans (name, time, model, model_probability, verdict, reason_code, length_mm, confidence, u95_mm,
   weak_stretches, scan_s, line_s, cycle_s, operator, process, decision, decided_by, decided_at, sent, followed,
-  line_version, marked)
-VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)
+  line_version, marked, part, foot, size)
+VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)
 ON CONFLICT (name) DO UPDATE SET time = excluded.time, model = excluded.model,
   model_probability = excluded.model_probability, verdict = excluded.verdict, reason_code = excluded.reason_code,
   length_mm = excluded.length_mm, confidence = excluded.confidence, u95_mm = excluded.u95_mm,
   weak_stretches = excluded.weak_stretches, scan_s = excluded.scan_s, line_s = excluded.line_s,
   cycle_s = excluded.cycle_s, operator = excluded.operator, process = excluded.process,
   decision = excluded.decision, decided_by = excluded.decided_by, decided_at = excluded.decided_at,
-  sent = excluded.sent, followed = excluded.followed, line_version = excluded.line_version
+  sent = excluded.sent, followed = excluded.followed, line_version = excluded.line_version,
+  part = excluded.part, foot = excluded.foot, size = excluded.size
 )sql";
 
 Result<std::int64_t> id_of(Database& database, const std::string& name) {
@@ -98,6 +102,7 @@ Result<void> Memory::put_scan(const Scan& scan, const LogRow& event, const std::
       put.bind_null();
     }
     put.bind(scan.line_version).bind(scan.marked ? 1 : 0);
+    put.bind(scan.part).bind(scan.foot).bind(scan.size);
     BITELINE_TRY(put.run());
     BITELINE_ASSIGN(const std::int64_t id, id_of(*database_, scan.name));
     BITELINE_ASSIGN(Statement texts,
@@ -132,8 +137,8 @@ Result<std::optional<Scan>> Memory::scan(const std::string& name) const {
   BITELINE_ASSIGN(const bool found, row.step());
   if (!found) return std::optional<Scan>{};
   Scan scan = scan_of(row);
-  scan.versions = row.text(26);
-  scan.details = row.text(27);
+  scan.versions = row.text(29);
+  scan.details = row.text(30);
   return std::optional<Scan>{std::move(scan)};
 }
 
@@ -187,6 +192,17 @@ Result<ScanPage> Memory::scans(const ScanFilter& filter) const {
     last_id = rows.integer(0);
     page.scans.push_back(scan_of(rows));
   }
+}
+
+Result<std::optional<Scan>> Memory::sent_before(const std::string& part, const std::string& scan) const {
+  const std::lock_guard lock{*mutex_};
+  BITELINE_ASSIGN(Statement row,
+                  database_->prepare(std::string{"SELECT "} + k_scan_columns + k_scan_tables +
+                                     " WHERE part <> '' AND part = ? AND name <> ? AND sent <> 0 "
+                                     "ORDER BY id DESC LIMIT 1"));
+  row.bind(part).bind(scan);
+  BITELINE_ASSIGN(const bool found, row.step());
+  return found ? std::optional{scan_of(row)} : std::nullopt;
 }
 
 Result<void> Memory::mark(const std::string& name, bool marked, const LogRow& event) {

@@ -113,6 +113,13 @@ CREATE TABLE scan_evidence (
   report TEXT NOT NULL
 ) STRICT;
 )sql",
+    // Whose shoe it was: found by its part number, and told when it comes a second time.
+    R"sql(
+ALTER TABLE scans ADD COLUMN part TEXT NOT NULL DEFAULT '';
+ALTER TABLE scans ADD COLUMN foot TEXT NOT NULL DEFAULT '';
+ALTER TABLE scans ADD COLUMN size TEXT NOT NULL DEFAULT '';
+CREATE INDEX scans_part ON scans (part, id) WHERE part <> '';
+)sql",
 };
 
 Result<int> version_of(Database& database) {

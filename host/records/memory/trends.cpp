@@ -58,8 +58,14 @@ void leave_out_stopped(Where& where) {
 Result<Trends> Memory::trends(const ScanFilter& filter, const FactoryDay& day, Span span) const {
   const std::lock_guard lock{*mutex_};
   Trends trends;
-  Where where = where_of(filter);
+  Where where = where_of(filter), stopped = where;
   leave_out_stopped(where);
+  stopped.add("verdict = ?", std::string{"refused"});
+  stopped.add("reason_code = ?", std::string{k_stopped_by_a_person});
+  BITELINE_ASSIGN(Statement count, database_->prepare("SELECT count(*) FROM scans" + stopped.sql));
+  stopped.bind_to(count);
+  BITELINE_TRY(count.step());
+  trends.stopped = count.integer(0);
   // In the order of an index that has all of these columns: one GROUP BY would sort every row first.
   BITELINE_ASSIGN(Statement rows,
                   database_->prepare("SELECT time, verdict, length_mm, u95_mm, cycle_s FROM scans" +

@@ -45,6 +45,9 @@ Result<void> put(memory::Memory& memory, int number, const char* decision,
   scan.name = name;
   scan.time = 1'795'000'000'000 + 20'000LL * number;
   scan.model = number % 2 == 0 ? "boot" : "runner";
+  scan.part = "A-" + std::to_string(number);
+  scan.foot = number % 2 == 0 ? "left" : "right";
+  scan.size = "EU 42";
   scan.verdict = number % 5 == 0 ? "refused" : "ok";
   scan.reason = number % 5 == 0 ? "a hole at the toe" : "";
   scan.length_mm = 800 + 0.01 * number;

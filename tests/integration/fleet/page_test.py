@@ -60,6 +60,10 @@ def api_as_viewer(factory):
     assert seen == [f"scan-{number:04d}" for number in range(30, 0, -1)], seen
     refused = ask("GET", "/fleet/scans?cell=cell-2&verdict=refused", token)[1]["scans"]
     assert len(refused) == 6 and all(row["verdict"] == "refused" for row in refused), refused
+    one = ask("GET", "/fleet/scans?cell=cell-2&part=A-2", token)[1]["scans"]
+    assert [(row["id"], row["part"], row["foot"], row["size"]) for row in one] == [("scan-0002", "A-2", "left", "EU 42")], one
+    begin = ask("GET", "/fleet/scans?cell=cell-2&part=A-2*", token)[1]["scans"]
+    assert sorted(row["part"] for row in begin) == sorted(["A-2", *(f"A-{number}" for number in range(20, 30))]), begin
     trends = ask("GET", "/fleet/trends?cell=cell-2&bucket=week", token)[1]["buckets"]
     assert sum(one["scans"] for one in trends) == 30 and trends[0]["cycle_s"] == 12.5, trends
     groups = {(row["model"], row["cell"]): row for row in ask("GET", "/fleet/groups", token)[1]["groups"]}

@@ -16,7 +16,8 @@ NAMES = (
     "failed length_mm u95_um confidence review"
 ).split()
 READY, STOPPED, AWAY = 1, 6, 0
-JOBS = "jobs:\n  1: {}\n  2: {process: grind}\n  7: {model: not-there}\n"
+PART_BYTES, PART_REGISTERS = 64, 32
+JOBS = "jobs:\n  1: {}\n  2: {process: grind}\n  7: {model: not-there}\n  8: {foot: left, size: EU 42}\n"
 
 
 class Cell:
@@ -81,6 +82,11 @@ class TextPeer:
 
     def state(self):
         return dict(zip(NAMES, self.ask("STATE"), strict=True))
+
+    def shoe(self):
+        """The part number of the last scan."""
+        self.socket.sendall(b"SHOE\n")
+        return self.reader.readline().decode()
 
     def ended(self):
         """The door closed this connection."""

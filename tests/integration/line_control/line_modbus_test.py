@@ -12,9 +12,9 @@ try:
 except ImportError as error:
     print("skipped:", error, "(python3-pymodbus and python3-serial-asyncio)")
     sys.exit(77)
-from line_cell import NAMES, PATIENCE_S, READY, Cell, comes_true
+from line_cell import NAMES, PART_BYTES, PART_REGISTERS, PATIENCE_S, READY, Cell, comes_true
 
-JOB, START, STOP = 0, 1, 2
+JOB, START, STOP, PART = 0, 1, 2, 3
 UNKNOWN_JOB, BUSY, PERSON_STOPPED = 1, 3, 6
 STOPPED = 6
 REFUSED = 3
@@ -60,6 +60,51 @@ def a_control_that_writes_all_each_turn(cell, plc):
     assert cell.scans_asked() == before + 1 and state_of(plc)["job"] == 2
 
 
+def registers_of(part):
+    letters = part.encode().ljust(PART_BYTES, b"\0")
+    return [letters[i] << 8 | letters[i + 1] for i in range(0, PART_BYTES, 2)]
+
+
+def text_of(registers):
+    return b"".join(bytes(divmod(pair, 256)) for pair in registers).rstrip(b"\0").decode()
+
+
+def a_part_number_goes_with_its_scan(cell, plc):
+    part_of_last = lambda: text_of(plc.read_input_registers(len(NAMES), PART_REGISTERS).registers)
+    part_of_next = lambda: text_of(plc.read_holding_registers(PART, PART_REGISTERS).registers)
+    assert part_of_last() == "" == part_of_next()
+    assert not plc.write_registers(PART, registers_of("x" * PART_BYTES)).isError() and part_of_next() == "x" * PART_BYTES
+    # A shorter one leaves nothing of it, blanks at its end are none of it, and zeros take it back.
+    assert not plc.write_registers(PART, registers_of("A-17  ")[:4]).isError() and part_of_next() == "A-17"
+    assert not plc.write_register(PART, 0).isError() and part_of_next() == ""
+    # All in one write, each turn until it is done.
+    turns = [1, 8, 0] + registers_of("A-18")
+
+    def done():
+        assert not plc.write_registers(JOB, turns).isError()
+        state = state_of(plc)
+        assert state["refusal"] == 0, state
+        return state["done"] and state["finished"] == 8
+
+    assert not plc.write_registers(JOB, turns).isError()
+    assert part_of_next() == "A-18" and state_of(plc)["busy"]
+    plc.write_registers(PART, registers_of("A-19"))
+    assert state_of(plc)["refusal"] == BUSY and part_of_next() == "A-18"
+    comes_true(done, "done")
+    assert part_of_last() == "A-18"
+    # A piece of a number would be another one, and so would be letters behind its end.
+    for answer, code in (
+        (plc.write_register(PART + 1, 0x4141), 2),
+        (plc.write_registers(PART + 1, [0x4141, 0]), 2),
+        (plc.write_register(PART, 1), 3),
+        (plc.write_registers(PART, [0x4100, 0x4100]), 3),
+        (plc.write_registers(PART, [0x4109]), 3),
+        (plc.write_registers(PART, registers_of("x") + [0]), 2),
+    ):
+        assert answer.isError() and answer.exception_code == code, (answer, code)
+    assert not plc.write_register(PART, 0).isError()
+
+
 def the_line_stops(cell, plc):
     """A control that writes all registers each turn starts nothing while its stop stands, and afterwards a person must."""
     before = cell.scans_asked()
@@ -84,10 +129,10 @@ def the_line_stops(cell, plc):
 
 def what_is_not_in_the_table_is_refused(plc):
     for answer, code in (
-        (plc.read_input_registers(len(NAMES), 1), 2),
-        (plc.read_holding_registers(0, 4), 2),
-        (plc.write_register(3, 1), 2),
-        (plc.write_registers(JOB, [1, 9, 1, 1]), 2),
+        (plc.read_input_registers(len(NAMES) + PART_REGISTERS, 1), 2),
+        (plc.read_holding_registers(PART, PART_REGISTERS + 1), 2),
+        (plc.write_register(PART + PART_REGISTERS, 1), 2),
+        (plc.write_registers(JOB, [1, 9, 1] + [0] * (PART_REGISTERS + 1)), 2),
         (plc.read_coils(0, 1), 2),
         (plc.write_coil(0, True), 1),
         (plc.readwrite_registers(read_address=0, read_count=1, write_address=0, write_registers=[1]), 1),
@@ -170,6 +215,7 @@ def main():
         job_start_and_verdict(cell, plc)
         a_control_that_writes_all_each_turn(cell, plc)
         what_is_not_in_the_table_is_refused(plc)
+        a_part_number_goes_with_its_scan(cell, plc)
         bad_peers_hurt_nobody(cell, plc)
         the_line_stops(cell, plc)
         plc.close()

@@ -9,7 +9,7 @@ import subprocess
 import sys
 import time
 
-from line_cell import AWAY, PATIENCE_S, READY, STOPPED, Cell, TextPeer, comes_true
+from line_cell import AWAY, PART_BYTES, PATIENCE_S, READY, STOPPED, Cell, TextPeer, comes_true
 
 UNKNOWN_JOB, NO_JOB, BUSY, CONTROL_HELD, PERSON_STOPPED, HOST_AWAY, BAD_REQUEST = 1, 2, 3, 5, 6, 8, 10
 REFUSED = 3
@@ -77,20 +77,20 @@ def run_urscript(file, port, job, request):
 def examples_work(cell, peer, examples):
     assert run_urscript(examples / "biteline.script", cell.text_port, 1, 30) == REFUSED
     assert peer.state()["finished"] == 30 and cell.scans_asked() == 2
-    told = subprocess.run([sys.executable, str(examples / "line_client.py"), "127.0.0.1", str(cell.text_port), "2"],
+    told = subprocess.run([sys.executable, str(examples / "line_client.py"), "127.0.0.1", str(cell.text_port), "2", "C-3"],
                           capture_output=True, text=True, timeout=PATIENCE_S)
     assert told.returncode == 3, told
     assert json.loads(told.stdout)["verdict"] == "refused", told
-    assert cell.scans_asked() == 3
+    assert cell.scans_asked() == 3 and peer.shoe() == "(C-3)\n"
 
 
 def people_come_first(cell, peer):
     token = cell.log_in()
     # What is only for doors without login is no path of the page.
-    for method, path in (("GET", "/line"), ("PUT", "/line/job"), ("POST", "/line/start"), ("POST", "/line/stop")):
+    for method, path in (("GET", "/line"), ("PUT", "/line/job"), ("PUT", "/line/part"), ("POST", "/line/start"), ("POST", "/line/stop")):
         assert cell.call(method, path, {}, token)[0] == 404
     assert cell.call("POST", "/control", {"action": "take"}, token)[0] == 200
-    assert peer.ask("START 40") == [CONTROL_HELD] and peer.ask("JOB 1") == [CONTROL_HELD]
+    assert peer.ask("START 40") == [CONTROL_HELD] and peer.ask("JOB 1") == [CONTROL_HELD] and peer.ask("PART X") == [CONTROL_HELD]
     # The page's start is one scan, too, of the same machine.
     assert cell.call("POST", "/commands/start", {}, token)[0] == 202
     assert cell.call("POST", "/commands/start", {}, token)[0] == 409
@@ -134,8 +134,55 @@ def the_line_stops_and_a_person_starts_again(cell, peer):
     assert any(row["what"] == "stop" and row["who"] == "the line's control" and row["door"] == "text" for row in log), log
 
 
+def a_part_number_is_of_one_shoe(cell, peer):
+    """Of the next scan, whoever starts it, of the same shoe scanned again, and of no other one."""
+    token = cell.call("POST", "/sessions", {"name": "ada", "password": "a long password"})[1]["token"]
+
+    def newest():
+        return cell.call("GET", "/scans", token=token)[1]["scans"][0]
+
+    def next_row():
+        """A scan's row is there at its end, and the door's state may be 0.1 s old."""
+        nonlocal last
+        comes_true(lambda: newest()["id"] != last, f"the scan behind {last}")
+        row = newest()
+        comes_true(lambda: peer.state()["scan"] == int(row["id"].removeprefix("scan-")), f"the end of {row['id']}")
+        last = row["id"]
+        return row
+
+    last, longest = newest()["id"], "x" * PART_BYTES
+    assert peer.ask("JOB 8") == [0] and peer.ask("PART  A-17 (left) ") == [0] and peer.ask("START 70") == [0]
+    assert peer.ask("PART A-17 (left)") == [0] and peer.ask("PART B-1") == [BUSY]
+    row = next_row()
+    assert (row["part"], row["foot"], row["size"]) == ("A-17 (left)", "left", "EU 42"), row
+    assert peer.shoe() == "(A-17 (left))\n"
+    whole = cell.call("GET", "/scans/" + row["id"], token=token)[1]
+    assert whole["report"]["part"] == "A-17 (left)" and whole["report"]["size"] == "EU 42", whole["report"]
+    assert peer.ask("START 71") == [0]
+    assert next_row()["part"] is None and peer.shoe() == "()\n"
+    # The longest, taken back, and one that is too long.
+    assert peer.ask("PART " + longest) == [0] and peer.ask("PART") == [0]
+    assert peer.ask("PART " + longest + "x") == [BAD_REQUEST] and peer.ask("PART a\tb") == [BAD_REQUEST]
+    assert peer.ask("PART " + longest) == [0]
+    assert cell.call("POST", "/control", {"action": "take"}, token)[0] == 200
+    assert cell.call("POST", "/commands/start", {}, token)[0] == 202
+    assert next_row()["part"] == longest
+    assert cell.call("POST", "/commands/start", {"part": "P-1"}, token)[0] == 202
+    assert next_row()["part"] == "P-1"
+    assert cell.call("POST", "/commands/rescan", {}, token)[0] == 202
+    assert next_row()["part"] == "P-1", "the same shoe again"
+    assert [one["part"] for one in cell.call("GET", "/scans?part=P-*", token=token)[1]["scans"]] == ["P-1", "P-1"]
+    # After a stop nobody knows which shoe stands there.
+    assert cell.call("POST", "/control", {"action": "release"}, token)[0] == 200
+    assert peer.ask("PART A-20") == [0] and peer.ask("STOP") == [0]
+    assert cell.call("POST", "/control", {"action": "take"}, token)[0] == 200
+    assert cell.call("POST", "/commands/rescan", {}, token)[0] == 202
+    assert next_row()["part"] is None
+    assert cell.call("POST", "/control", {"action": "release"}, token)[0] == 200
+
+
 def bad_peers_hurt_nobody(cell, peer):
-    for line in ("", "JOB", "JOB -1", "JOB 1 2", "START 99999", "STATE ", "STOP 1", "JOB 1;START 3"):
+    for line in ("", "JOB", "JOB -1", "JOB 1 2", "START 99999", "STATE ", "STOP 1", "JOB 1;START 3", "SHOE 1"):
         assert peer.ask(line) == [BAD_REQUEST], line
     # What is no word of this protocol may be another one: told, and ended before the next line is read.
     for line in ("HELLO", "start 3", "POST / HTTP/1.1\r\nHost: x\r\n\r\nJOB 1\nSTART 77"):
@@ -208,6 +255,7 @@ def main():
         examples_work(cell, peer, pathlib.Path(examples))
         people_come_first(cell, peer)
         the_line_stops_and_a_person_starts_again(cell, peer)
+        a_part_number_is_of_one_shoe(cell, peer)
         bad_peers_hurt_nobody(cell, peer)
         service_that_is_away_is_told(cell, peer)
     print("the text door keeps what docs/line-control.md says")

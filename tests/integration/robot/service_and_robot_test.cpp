@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "host/cloud/closed_line.hpp"
+#include "host/cloud/ply.hpp"
 #include "host/records/memory/factory_day.hpp"
 #include "host/records/memory/memory.hpp"
 #include "host/transfer/library.hpp"
@@ -154,6 +155,57 @@ TEST(ServiceAndRobot, LineThatLiesOffTheModelsMendedOneIsTold) {
   const auto found = cloud::read_line(scan / "line.csv");
   SUCCEEDS(found);
   for (const cloud::LinePoint& point : found->points) CHECK(point.source != cloud::PointSource::Mended);
+}
+
+/// What a left shoe of one size less would have left: the scan's result, mirrored and two thirds of a
+/// centimetre shorter.  As wide as long, since nobody knows here how it stood.
+transfer::SampleFiles smaller_left_of(const fs::path& scan) {
+  auto sample = transfer::read_sample(scan);
+  SUCCEEDS(sample);
+  double length_mm = 0;
+  for (const cloud::LinePoint& p : sample->line.points)
+    for (const cloud::LinePoint& q : sample->line.points)
+      length_mm = std::max(length_mm, (p.position - q.position).head<2>().norm());
+  const double change = 20.0 / 3 / length_mm;
+  const Vec3 factors{1 / (1 + change), -1 / (1 + change), 1 / (1 + change / 2)};
+  for (Eigen::Vector3f& p : sample->cloud.points) p = p.cwiseProduct(factors.cast<float>());
+  for (cloud::LinePoint& p : sample->line.points) {
+    p.position = p.position.cwiseProduct(factors);
+    p.normal = p.normal.cwiseQuotient(factors).normalized();
+    p.tangent = -p.tangent.cwiseProduct(factors).normalized();
+  }
+  std::ranges::reverse(sample->line.points);
+  return *sample;
+}
+
+TEST(ServiceAndRobot, AShoeOfTheOtherFootAndAnotherSizeIsKnown) {
+  const fs::path first_scan = leave_scan("scan-0001");
+  ChildProcess first = start(sending(k_no_sensor), {"--once"});
+  static_cast<void>(end_of(first));
+  const transfer::SampleFiles sample = smaller_left_of(first_scan);
+  const fs::path left = folder.path() / "left";
+  fs::create_directories(left);
+  SUCCEEDS(cloud::write_cloud(left / "cloud.ply", sample.cloud));
+  SUCCEEDS(cloud::write_line(left / "line.csv", sample.line));
+  transfer::SaveOptions told;
+  told.made.foot = "left";
+  told.made.size = "EU 41";
+  told.made.of = "boot";
+  SUCCEEDS(transfer::Library{folder.path() / "models"}.save("boot-41", left, told));
+
+  const fs::path scan = leave_scan("scan-0002");
+  ChildProcess second =
+      start(sending(k_no_sensor), {"--once", "--models", "--library", (folder.path() / "models").string()});
+  STRCMP_CONTAINS("looks like boot, right, EU 42", end_of(second).second.c_str());
+  STRCMP_EQUAL("right", report_of(scan).value("foot", "").c_str());
+  STRCMP_EQUAL("EU 42", report_of(scan).value("size", "").c_str());
+  const auto memory = memory::Memory::open(results() / memory::k_memory_file);
+  SUCCEEDS(memory);
+  const auto row = memory->scan("scan-0002");
+  SUCCEEDS(row);
+  STRCMP_EQUAL("boot", (*row)->model.c_str());
+  STRCMP_EQUAL("right", (*row)->foot.c_str());
+  STRCMP_EQUAL("EU 42", (*row)->size.c_str());
 }
 
 TEST(ServiceAndRobot, ArmInLocalControlOrAnotherArmIsSentNothing) {

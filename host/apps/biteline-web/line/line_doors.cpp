@@ -207,7 +207,7 @@ void LineDoors::State::take_answer(Door& door, std::size_t index, std::uint64_t 
     take_state(answer_);
   } else {
     door.refusal = refusal_of(answer_);
-    // A start for another job than the one that was asked for is none.
+    // A start for another job or shoe than the one that was asked for is none.
     if (door.refusal != Refusal::None) pending.steps.erase(pending.steps.begin(), pending.steps.end() - 1);
   }
   if (!pending.steps.empty()) return ask(index, id, pending.steps.front());
@@ -299,8 +299,8 @@ bool LineDoors::State::serve(std::size_t index, std::uint64_t id, Peer& peer, Cl
     peer.last_request = peer.first_byte = now;
     peer.asked = peer.asked || cut.command.fault == 0;
     if (cut.last) return static_cast<void>(answer(door, peer, cut.command)), false;
-    const bool commands =
-        cut.command.fault == 0 && (cut.command.job || cut.command.start || cut.command.stop);
+    const bool commands = cut.command.fault == 0 &&
+                          (cut.command.job || cut.command.part || cut.command.start || cut.command.stop);
     if (!commands) {
       if (!answer(door, peer, cut.command)) return false;
       continue;
@@ -318,6 +318,9 @@ bool LineDoors::State::serve(std::size_t index, std::uint64_t id, Peer& peer, Cl
       if (pending.command.job)
         pending.steps.push_back(
             request_of(*door.talk, "PUT", "/api/v1/line/job", {{"job", *pending.command.job}}));
+      if (pending.command.part)
+        pending.steps.push_back(
+            request_of(*door.talk, "PUT", "/api/v1/line/part", {{"part", *pending.command.part}}));
       if (pending.command.start)
         pending.steps.push_back(
             request_of(*door.talk, "POST", "/api/v1/line/start", {{"request", *pending.command.start}}));

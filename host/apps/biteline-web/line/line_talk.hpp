@@ -17,11 +17,13 @@ namespace biteline::web {
 
 /// One whole request of a peer.
 struct LineCommand {
-  std::vector<std::uint8_t> bytes;  ///< as it came
-  std::optional<int> job{};         ///< to be chosen, before the start
-  std::optional<int> start{};       ///< a request number
-  bool stop{false};                 ///< and then nothing else
-  int fault{0};                     ///< the protocol's own; above 0 nothing is done
+  std::vector<std::uint8_t> bytes;    ///< as it came
+  std::optional<int> job{};           ///< to be chosen, before the start
+  std::optional<std::string> part{};  ///< of the next shoe, before the start; empty: it has none
+  std::optional<int> start{};         ///< a request number
+  bool stop{false};                   ///< and then nothing else
+  bool asks_part{false};              ///< which part the last scan was of
+  int fault{0};                       ///< the protocol's own; above 0 nothing is done
 };
 
 /// What stands at the beginning of a peer's bytes.

@@ -10,6 +10,7 @@
 #include <cerrno>
 
 #include "host/apps/biteline-web/line/line_talk.hpp"
+#include "host/doors/line_control/part_number.hpp"
 
 namespace biteline::web {
 namespace {
@@ -25,7 +26,10 @@ constexpr std::size_t k_short_pdu_bytes = 5;
 constexpr int k_job_at = 0;
 constexpr int k_start_at = 1;
 constexpr int k_stop_at = 2;
-constexpr int k_holding = 3;
+constexpr int k_part_at = 3;
+constexpr int k_holding = k_part_at + static_cast<int>(line_control::k_part_registers);
+/// Behind the values: the part number of the last scan.
+constexpr int k_input_registers = static_cast<int>(line_control::k_values + line_control::k_part_registers);
 constexpr int k_inputs = 5;
 
 int word_at(std::span<const std::uint8_t> bytes, std::size_t at) {
@@ -64,15 +68,29 @@ void take_register(LineCommand& command, int address, int value) {
   if (address == k_stop_at && value > 0) command.stop = true;
 }
 
+/// A part number is written whole: a piece of it alone would be another one.  The exception, as of judge().
+int take_part(LineCommand& command, int address, std::span<const std::uint16_t> values) {
+  if (address + std::ssize(values) <= k_part_at) return 0;
+  if (address > k_part_at) return MODBUS_EXCEPTION_ILLEGAL_DATA_ADDRESS;
+  command.part = line_control::part_of(values.subspan(static_cast<std::size_t>(k_part_at - address)));
+  return command.part ? 0 : MODBUS_EXCEPTION_ILLEGAL_DATA_VALUE;
+}
+
 /// What a sound request writes; nothing where a part of it lies beyond the registers: it is refused whole.
 void take_writes(LineCommand& command, std::span<const std::uint8_t> pdu) {
   const int address = word_at(pdu, 1);
-  if (pdu[0] == MODBUS_FC_WRITE_SINGLE_REGISTER) take_register(command, address, word_at(pdu, 3));
-  if (pdu[0] != MODBUS_FC_WRITE_MULTIPLE_REGISTERS) return;
-  const int count = word_at(pdu, 3);
-  if (address + count > k_holding) return;
-  for (int i = 0; i < count; ++i)
-    take_register(command, address + i, word_at(pdu, 6 + 2 * static_cast<std::size_t>(i)));
+  std::vector<std::uint16_t> values;
+  if (pdu[0] == MODBUS_FC_WRITE_SINGLE_REGISTER)
+    values.push_back(static_cast<std::uint16_t>(word_at(pdu, 3)));
+  if (pdu[0] == MODBUS_FC_WRITE_MULTIPLE_REGISTERS) {
+    for (std::size_t at = 6; at + 1 < pdu.size(); at += 2)
+      values.push_back(static_cast<std::uint16_t>(word_at(pdu, at)));
+  }
+  if (values.empty() || address + std::ssize(values) > k_holding) return;
+  command.fault = take_part(command, address, values);
+  if (command.fault > 0) return;
+  for (std::size_t i = 0; i < values.size(); ++i)
+    take_register(command, address + static_cast<int>(i), values[i]);
 }
 
 class ModbusTalk final : public LineTalk {
@@ -88,7 +106,7 @@ class ModbusTalk final : public LineTalk {
   Result<void> open() {
     // The address is never used: answers go through a pair of sockets of this process.
     context_ = modbus_new_tcp("127.0.0.1", MODBUS_TCP_DEFAULT_PORT);
-    mapping_ = modbus_mapping_new(0, k_inputs, k_holding, static_cast<int>(line_control::k_values));
+    mapping_ = modbus_mapping_new(0, k_inputs, k_holding, k_input_registers);
     if (context_ == nullptr || mapping_ == nullptr ||
         ::socketpair(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0, pair_.data()) != 0)
       return fail_errno(Errc::DeviceError, errno, "--modbus: libmodbus cannot be set up");
@@ -128,6 +146,9 @@ class ModbusTalk final : public LineTalk {
   void fill(const LineNews& news) {
     const auto values = line_control::values_of(news.state, news.heartbeat, news.refusal);
     std::ranges::copy(values, mapping_->tab_input_registers);
+    std::ranges::copy(line_control::registers_of(news.state.part),
+                      mapping_->tab_input_registers + line_control::k_values);
+    std::ranges::copy(line_control::registers_of(news.state.next_part), mapping_->tab_registers + k_part_at);
     mapping_->tab_registers[k_job_at] = static_cast<std::uint16_t>(news.state.job);
     mapping_->tab_registers[k_start_at] = static_cast<std::uint16_t>(news.state.taken);
     using line_control::Step;

@@ -6,14 +6,16 @@
 #include <string_view>
 
 #include "host/apps/biteline-web/line/line_talk.hpp"
+#include "host/doors/line_control/part_number.hpp"
 
 namespace biteline::web {
 namespace {
 
 using line_control::Refusal;
 
-constexpr std::size_t k_most_line_bytes = 64;
-constexpr std::array<std::string_view, 5> k_words{"STATE", "JOB", "START", "STOP", "BYE"};
+/// A part number, its word and CR.
+constexpr std::size_t k_most_line_bytes = 80;
+constexpr std::array<std::string_view, 7> k_words{"STATE", "JOB", "PART", "SHOE", "START", "STOP", "BYE"};
 
 /// " 17" as 17.
 std::optional<int> number_behind(std::string_view line, std::string_view word) {
@@ -26,6 +28,13 @@ std::optional<int> number_behind(std::string_view line, std::string_view word) {
   if (error != std::errc{} || at != line.data() + line.size() || number < 0 || number > 65535)
     return std::nullopt;
   return number;
+}
+
+/// Of "PART A-17"; of "PART" alone an empty one.
+std::optional<std::string> part_behind(std::string_view line) {
+  constexpr std::string_view k_word = "PART";
+  if (!line.starts_with(k_word)) return std::nullopt;
+  return line_control::part_number(line.substr(k_word.size()));
 }
 
 /// Letters, digits and the like: a TLS hello or another program's bytes are none.
@@ -90,17 +99,22 @@ class TextTalk final : public LineTalk {
       cut.farewell = true;
     } else if (line == "STOP") {
       cut.command.stop = true;
+    } else if (line == "SHOE") {
+      cut.command.asks_part = true;
     } else if (line != "STATE") {
       cut.command.job = number_behind(line, "JOB");
+      cut.command.part = part_behind(line);
       cut.command.start = number_behind(line, "START");
-      if (!cut.command.job && !cut.command.start) cut.command.fault = static_cast<int>(Refusal::BadRequest);
+      if (!cut.command.job && !cut.command.part && !cut.command.start)
+        cut.command.fault = static_cast<int>(Refusal::BadRequest);
     }
     return cut;
   }
 
   [[nodiscard]] std::string answer(const LineCommand& command, const LineNews& news) override {
     if (command.fault > 0) return line_of(std::array{static_cast<std::uint16_t>(command.fault)});
-    if (command.job || command.start || command.stop)
+    if (command.asks_part) return "(" + news.state.part + ")\n";
+    if (command.job || command.part || command.start || command.stop)
       return line_of(std::array{static_cast<std::uint16_t>(news.refusal)});
     return line_of(line_control::values_of(news.state, news.heartbeat, news.refusal));
   }

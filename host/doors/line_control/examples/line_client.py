@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""line_client.py ADDRESS PORT JOB: one scan through biteline-web --text, with Python's own library.
+"""line_client.py ADDRESS PORT JOB [PART]: one scan through biteline-web --text, with Python's own library.
 
+PART is the part number of the shoe that stands there.
 Prints the cell's state as JSON.  Exit status: 0 ok, 3 refused, 4 failed or not taken, 5 a person
 must settle the line.
 """
@@ -19,6 +20,7 @@ VERDICTS = ("none", "ok", "amber", "refused", "failed", "review")
 
 def main():
     address, port, job = sys.argv[1], int(sys.argv[2]), int(sys.argv[3])
+    part = sys.argv[4] if len(sys.argv) > 4 else ""
     with socket.create_connection((address, port), timeout=10) as link:
         answers = link.makefile("r")
 
@@ -31,7 +33,7 @@ def main():
 
         # Another number than the last one: the same number would not start a second scan.
         request = state()["taken"] % 65535 + 1
-        for line in (f"JOB {job}", f"START {request}"):
+        for line in (f"JOB {job}", f"PART {part}", f"START {request}"):
             refusal = ask(line)[0]
             if refusal:
                 print(f"{line}: refused with {refusal}", file=sys.stderr)

@@ -279,6 +279,42 @@ TEST(CockpitStop, AStartOfTheLineThatWaitedPastAStopIsRefusedAlsoAfterAPersonsSt
   CHECK(sut->begin_cycle().has_value());
 }
 
+TEST(CockpitStop, APartNumberIsOfTheNextStartWhoeverSaysItAndEndsWithAStop) {
+  open({{.number = 1, .model = "boot", .process = {}, .foot = "left", .size = "EU 42"}});
+  LONGS_EQUAL(0, static_cast<int>(sut->choose_job(1, false)));
+  const auto started = [this] {
+    std::optional<Wish> last;
+    while (std::optional<Wish> wish = sut->next_wish()) last = std::move(wish);
+    CHECK(last && last->kind == Wish::Kind::Start);
+    return last->job;
+  };
+  LONGS_EQUAL(0, static_cast<int>(sut->choose_part("A-17", false)));
+  STRCMP_EQUAL("A-17", sut->line_state().next_part.c_str());
+  CHECK(sut->start_for_line(5, false, stops.count()).fresh);
+  const api::Job job = started();
+  STRCMP_EQUAL("A-17", job.part.c_str());
+  STRCMP_EQUAL("left", job.foot.c_str());
+  STRCMP_EQUAL("EU 42", job.size.c_str());
+  sut->give_up_start();
+  CHECK(sut->start_for_line(6, false, stops.count()).fresh);
+  STRCMP_EQUAL("", started().part.c_str());
+  sut->give_up_start();
+  // A page's start says nothing of it, then another number.
+  LONGS_EQUAL(0, static_cast<int>(sut->choose_part("A-18", false)));
+  SUCCEEDS(sut->start({}, {"ada", stops.count()}));
+  STRCMP_EQUAL("A-18", started().part.c_str());
+  sut->give_up_start();
+  LONGS_EQUAL(0, static_cast<int>(sut->choose_part("A-19", false)));
+  SUCCEEDS(sut->start({.part = "B-1"}, {"ada", stops.count()}));
+  STRCMP_EQUAL("B-1", started().part.c_str());
+  sut->give_up_start();
+  LONGS_EQUAL(0, static_cast<int>(sut->choose_part("A-20", false)));
+  sut->stop("ada");
+  STRCMP_EQUAL("", sut->line_state().next_part.c_str());
+  LONGS_EQUAL(static_cast<int>(line_control::Refusal::ControlHeld),
+              static_cast<int>(sut->choose_part("A-21", true)));
+}
+
 TEST(CockpitStop, AMendThatAStopMeetsIsOver) {
   open();
   hold();

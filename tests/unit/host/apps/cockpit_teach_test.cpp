@@ -280,6 +280,17 @@ TEST(CockpitTeach, StateTellsTheProcessOfTheScanAndThenOfTheNextOneAndWhoseWordI
   CHECK(sut->state()["process"].is_null());
 }
 
+TEST(CockpitTeach, StateTellsWhoseShoeItIs) {
+  open(true);
+  for (const char* name : {"part", "foot", "size"}) CHECK_TEXT(sut->state()[name].is_null(), name);
+  sut->show_shoe({.part = "A-17", .foot = "left", .size = "EU 42"});
+  STRCMP_EQUAL("A-17", sut->state()["part"].get<std::string>().c_str());
+  STRCMP_EQUAL("left", sut->state()["foot"].get<std::string>().c_str());
+  STRCMP_EQUAL("EU 42", sut->state()["size"].get<std::string>().c_str());
+  sut->show_shoe({});
+  CHECK(sut->state()["part"].is_null());
+}
+
 TEST(CockpitTeach, StateSaysWhatWaitsForWhatAndHowLongItIsFresh) {
   open(true);
   CHECK(sut->state()["held"].is_null());

@@ -44,6 +44,17 @@ TEST(ScanRow, LineIsOkAndAmberWithWeakStretches) {
   LONGS_EQUAL(2, row()->weak_stretches);
 }
 
+TEST(ScanRow, WhoseShoeItIsStandsInTheReportElseBesideTheRecording) {
+  folder.write("scan-0001/report.json", R"({"status":"ok","part":null,"foot":"left","size":"EU 42"})");
+  STRCMP_EQUAL("", row()->part.c_str());
+  STRCMP_EQUAL("left", row()->foot.c_str());
+  STRCMP_EQUAL("EU 42", row()->size.c_str());
+  folder.write("scan-0001/scan.part", "A-18\n");
+  STRCMP_EQUAL("A-18", row()->part.c_str());
+  folder.write("scan-0001/report.json", R"({"status":"ok","part":"A-17"})");
+  STRCMP_EQUAL("A-17", row()->part.c_str());
+}
+
 TEST(ScanRow, ALineThatAPersonMustSettleIsForReviewWhateverItsPathSays) {
   folder.write(
       "scan-0001/report.json",
@@ -129,15 +140,13 @@ TEST(ScanRow, PlacesAreSignedDistancesToTheModelsLine) {
     const double angle = 2 * 3.14159265358979 * i / k_points;
     cloud::LinePoint point{.position = Vec3::Zero(), .normal = Vec3::Zero(), .tangent = Vec3::Zero()};
     point.normal = Vec3{std::cos(angle), std::sin(angle), 0};
-    point.position = 100 * point.normal;
+    point.position = 100 * point.normal + Vec3{10, 20, 30};
     model.points.push_back(point);
-    // Half of it 0.5 mm outside, half 0.2 mm inside; all of it moved by what the alignment says.
+    // Half of it 0.5 mm outside, half 0.2 mm inside.
     point.position = (i < k_points / 2 ? 100.5 : 99.8) * point.normal + Vec3{10, 20, 30};
     line.points.push_back(point);
   }
-  SE3 T_scan_model = SE3::Identity();
-  T_scan_model.translation() = Vec3{10, 20, 30};
-  const memory::Places places = places_of(line, model, T_scan_model);
+  const memory::Places places = places_of(line, model);
   // Chords of 0.9 mm on a radius of 100 mm stand off by 0.001 mm.
   for (std::size_t place = 1; place < 17; ++place) DOUBLES_EQUAL(0.5, places[place], 0.002);
   for (std::size_t place = 19; place < 35; ++place) DOUBLES_EQUAL(-0.2, places[place], 0.002);

@@ -21,6 +21,9 @@ ShoeMessage made() {
   shoe.scan.time = 1'795'000'000'123;
   shoe.scan.model = "boot";
   shoe.scan.verdict = "refused";
+  shoe.scan.part = "A-17";
+  shoe.scan.foot = "left";
+  shoe.scan.size = "EU 42";
   shoe.scan.reason_code = "too_short";
   shoe.scan.reason = "a \"quoted\" reason, ü";
   shoe.scan.length_mm = 801.25;
@@ -45,6 +48,9 @@ TEST(FleetMessages, ShoeComesThroughUnchanged) {
   CHECK(!back->scan.u95_mm.has_value());
   CHECK(back->scan.followed.value_or(false));
   CHECK(back->places == made().places);
+  STRCMP_EQUAL("A-17", back->scan.part.c_str());
+  STRCMP_EQUAL("left", back->scan.foot.c_str());
+  STRCMP_EQUAL("EU 42", back->scan.size.c_str());
 }
 
 TEST(FleetMessages, TextThatIsNoUtf8IsSentCleaned) {
@@ -70,8 +76,9 @@ TEST(FleetMessages, WhateverAMemoryHoldsTheCentreReadsItWhole) {
     for (const double number : numbers) {
       ShoeMessage shoe = made();
       memory::Scan& scan = shoe.scan;
-      for (std::string* one : {&scan.name, &scan.model, &scan.verdict, &scan.reason_code, &scan.reason,
-                               &scan.process, &scan.decision, &shoe.release})
+      for (std::string* one :
+           {&scan.name, &scan.model, &scan.verdict, &scan.reason_code, &scan.reason, &scan.process,
+            &scan.decision, &shoe.release, &scan.part, &scan.foot, &scan.size})
         *one = text;
       scan.length_mm = scan.confidence = scan.u95_mm = scan.cycle_s = number;
       scan.time = std::isinf(number) ? std::numeric_limits<std::int64_t>::max() : -1;
@@ -109,9 +116,10 @@ TEST(FleetMessages, FaultNamesTheFieldAndTheRestStands) {
         continue;
       }
       SUCCEEDS(read);
-      // Older cells name no release.
+      // Older cells name no release, and not whose shoe it was.
+      const bool told_later = key == "release" || key == "part" || key == "foot" || key == "size";
       const bool older =
-          missing && (key == "release" || key == "places" || value.is_null() || value.is_number_float());
+          missing && (told_later || key == "places" || value.is_null() || value.is_number_float());
       if (!older) STRCMP_CONTAINS(key.c_str(), read->fault.c_str());
       LONGS_EQUAL(8, read->seq);
       LONGS_EQUAL(7, read->after);

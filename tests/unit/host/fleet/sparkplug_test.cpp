@@ -35,6 +35,9 @@ TEST_GROUP(Sparkplug) {
     scan.name = name;
     scan.time = 1'795'000'000'123;
     scan.verdict = "ok";
+    scan.part = "A-17";
+    scan.foot = "left";
+    scan.size = "EU 42";
     scan.length_mm = length_mm;
     return scan;
   }
@@ -90,6 +93,9 @@ TEST(Sparkplug, DataTellsWhatChangedAndNothingElse) {
   const Payload first = read(*sut.data(state, 3));
   LONGS_EQUAL(1, first.seq());
   DOUBLES_EQUAL(801.25, metric_of(first, "Last shoe/Length mm").double_value(), 0);
+  STRCMP_EQUAL("A-17", metric_of(first, "Last shoe/Part").string_value().c_str());
+  STRCMP_EQUAL("left", metric_of(first, "Last shoe/Foot").string_value().c_str());
+  STRCMP_EQUAL("EU 42", metric_of(first, "Last shoe/Size").string_value().c_str());
   CHECK_EQUAL(1'795'000'000'123U, metric_of(first, "Last shoe/Time").long_value());
   LONGS_EQUAL(13, metric_of(first, "Last shoe/Time").datatype());
   CHECK(find(first, "Cell/Version") == nullptr);

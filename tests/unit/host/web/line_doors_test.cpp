@@ -90,9 +90,10 @@ TEST(LineDoors, ASlipOfTheLinesOwnPeerIsToldAndItGoesOn) {
 }
 
 TEST(LineDoors, WhatIsNoBeginningEndsWithoutItsLineEnd) {
-  for (const char* text : {"GET /", "P", "\x16\x03", "Jo", "STATEX", "\x80"})
+  for (const char* text : {"GET /", "PO", "PU", "PARTY", "\x16\x03", "Jo", "STATEX", "\x80"})
     CHECK_TEXT(cut(text).garbled, text);
-  for (const char* text : {"", "S", "STA", "STATE", "JOB", "JOB 1", "START 7", "BYE", "STATE\r"})
+  for (const char* text :
+       {"", "S", "STA", "STATE", "JOB", "JOB 1", "P", "PART A-17", "START 7", "BYE", "STATE\r"})
     CHECK_TEXT(!cut(text).garbled, text);
 }
 

@@ -4,6 +4,8 @@
 
 #include <CppUTest/TestHarness.h>
 
+#include <tuple>
+
 namespace biteline::line_control {
 
 TEST_GROUP(Cycle) {
@@ -15,6 +17,9 @@ TEST_GROUP(Cycle) {
   }
   void check_choose(Refusal expected, int number) {
     LONGS_EQUAL(static_cast<int>(expected), static_cast<int>(sut.choose(number, standing)));
+  }
+  void check_part(Refusal expected, const char* part) {
+    LONGS_EQUAL(static_cast<int>(expected), static_cast<int>(sut.choose_part(part, standing)));
   }
   LineState state() const {
     return sut.state(standing, Step::Working, false);
@@ -127,6 +132,77 @@ TEST(Cycle, ALineThatAPersonMustSettleHasAVerdictOfItsOwn) {
   CHECK(state().verdict == Verdict::Review);
   LONGS_EQUAL(1, state().counts.review);
   LONGS_EQUAL(0, state().counts.ok + state().counts.amber + state().counts.refused + state().counts.failed);
+}
+
+TEST(Cycle, APartNumberIsOfTheNextStartAndOfNoOther) {
+  check_choose(Refusal::None, 4);
+  check_part(Refusal::None, "A-17");
+  STRCMP_EQUAL("A-17", state().next_part.c_str());
+  const Cycle::Start start = sut.start(1, standing);
+  STRCMP_EQUAL("A-17", start.part.c_str());
+  // As a control that says all of it each turn; another shoe waits until this one is done.
+  check_part(Refusal::None, "A-17");
+  check_part(Refusal::Busy, "A-18");
+  check_part(Refusal::Busy, "");
+  STRCMP_EQUAL("A-17", state().next_part.c_str());
+  sut.scan_begins();
+  Ended of_it = ended("ok");
+  of_it.part = "A-17";
+  sut.scan_ends(of_it);
+  STRCMP_EQUAL("A-17", state().part.c_str());
+  STRCMP_EQUAL("", state().next_part.c_str());
+  STRCMP_EQUAL("", sut.start(2, standing).part.c_str());
+}
+
+TEST(Cycle, APartNumberMeetsTheSameChecksAsAJob) {
+  standing.control_held = true;
+  check_part(Refusal::ControlHeld, "A-17");
+  check_part(Refusal::None, "");
+  standing = {.stopped = true};
+  check_part(Refusal::None, "A-17");
+  // A stop ends what was said before it.
+  sut.forget_part();
+  STRCMP_EQUAL("", state().next_part.c_str());
+}
+
+TEST(Cycle, APagesStartTakesTheLinesPartNumberUnlessItBringsItsOwn) {
+  check_part(Refusal::None, "A-17");
+  STRCMP_EQUAL("A-17", sut.begin(0).c_str());
+  sut.scan_begins();
+  sut.scan_ends(ended("ok"));
+  check_part(Refusal::None, "A-18");
+  STRCMP_EQUAL("B-1", sut.begin(0, "B-1").c_str());
+  sut.give_up();
+  STRCMP_EQUAL("", state().next_part.c_str());
+  STRCMP_EQUAL("", state().part.c_str());
+}
+
+TEST(Cycle, AShoeThatIsScannedAgainLeavesTheNextOnesPartNumber) {
+  check_part(Refusal::None, "A-17");
+  static_cast<void>(sut.begin(0));
+  sut.scan_begins();
+  sut.scan_ends(ended("refused"));
+  check_part(Refusal::None, "A-18");
+  sut.begin_again();
+  STRCMP_EQUAL("A-17", state().next_part.c_str());
+  sut.scan_begins();
+  sut.scan_ends(ended("ok"));
+  STRCMP_EQUAL("A-18", state().next_part.c_str());
+}
+
+TEST(Cycle, ModelIsTheJobOfTheScansFootAndSize) {
+  sut = Cycle{{{.number = 1, .model = "boot", .process = {}, .foot = "left", .size = "EU 41"},
+               {.number = 2, .model = "boot", .process = {}, .foot = "left", .size = "EU 42"},
+               {.number = 3, .model = "boot", .process = {}, .foot = "right"}}};
+  for (const auto& [foot, size, number] : {std::tuple{"left", "EU 42", 2}, std::tuple{"right", "EU 41", 3},
+                                           std::tuple{"left", "EU 43", 0}, std::tuple{"", "", 0}}) {
+    sut.scan_begins();
+    Ended of_it = ended("ok");
+    of_it.foot = foot;
+    of_it.size = size;
+    sut.scan_ends(of_it);
+    LONGS_EQUAL(number, state().model);
+  }
 }
 
 TEST(Cycle, RequestOutOfRangeIsNone) {

@@ -27,7 +27,9 @@ LineState full_state() {
           .length_mm = 801.4,
           .u95_mm = 0.1234,
           .confidence = 0.9876,
-          .counts = {.starts = 65'540, .ok = 5, .amber = 6, .refused = 7, .failed = 8, .review = 9}};
+          .counts = {.starts = 65'540, .ok = 5, .amber = 6, .refused = 7, .failed = 8, .review = 9},
+          .part = "A-17",
+          .next_part = "A-18"};
 }
 
 }  // namespace
@@ -57,6 +59,8 @@ TEST(LineState, GoesThroughJsonUnchanged) {
   const auto back = line_state_of(to_json(full_state()));
   CHECK(back.has_value());
   CHECK(values_of(*back, 1, Refusal::None) == values_of(full_state(), 1, Refusal::None));
+  STRCMP_EQUAL("A-17", back->part.c_str());
+  STRCMP_EQUAL("A-18", back->next_part.c_str());
 }
 
 TEST(LineState, AnythingElseIsNone) {
@@ -66,7 +70,7 @@ TEST(LineState, AnythingElseIsNone) {
   for (const auto& field : sound.items()) {
     if (field.value().is_number_float()) continue;
     control::Json spoiled = sound;
-    spoiled[field.key()] = "x";
+    spoiled[field.key()] = field.value().is_string() ? control::Json("a\tb") : control::Json("x");
     CHECK_TEXT(!line_state_of(spoiled), field.key().c_str());
   }
   control::Json far = to_json(full_state());

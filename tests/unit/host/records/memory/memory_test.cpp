@@ -4,9 +4,12 @@
 #include <CppUTest/TestHarness.h>
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <fstream>
+#include <tuple>
 
 #include "host/records/memory/factory_day.hpp"
+#include "host/records/memory/history.hpp"
 #include "host/records/memory/outbox.hpp"
 #include "host/records/memory/schema.hpp"
 #include "tests/support/errors.hpp"
@@ -48,6 +51,9 @@ TEST(Memory, ScanComesBackWithAllThatWasKnown) {
   Scan scan = scan_named("scan-0001", 1'700'000'000'123);
   scan.model = "runner";
   scan.model_probability = 0.97;
+  scan.part = "A-17";
+  scan.foot = "left";
+  scan.size = "EU 42";
   scan.length_mm = 640.5;
   scan.confidence = 0.99;
   scan.weak_stretches = 2;
@@ -65,6 +71,9 @@ TEST(Memory, ScanComesBackWithAllThatWasKnown) {
   CHECK(back->has_value());
   STRCMP_EQUAL("runner", (*back)->model.c_str());
   DOUBLES_EQUAL(0.97, *(*back)->model_probability, 0);
+  STRCMP_EQUAL("A-17", (*back)->part.c_str());
+  STRCMP_EQUAL("left", (*back)->foot.c_str());
+  STRCMP_EQUAL("EU 42", (*back)->size.c_str());
   DOUBLES_EQUAL(640.5, *(*back)->length_mm, 0);
   CHECK(!(*back)->u95_mm);
   CHECK((*back)->followed == false);
@@ -185,6 +194,7 @@ TEST(Memory, TrendsAreInBucketsWithReasonsByCount) {
   LONGS_EQUAL(1, trends->buckets[1].review);
   LONGS_EQUAL(1, trends->reasons.size());
   STRCMP_EQUAL("no_crease", trends->reasons[0].reason_code.c_str());
+  LONGS_EQUAL(0, trends->stopped);
   LONGS_EQUAL(1, memory.trends({}, FactoryDay{}, Span::Week)->buckets.size());
   ScanFilter second;
   second.from = 20'001 * k_day_ms;
@@ -300,9 +310,10 @@ TEST(Memory, ShoesOfBeforeTheOutboxAreInItOnce) {
       SUCCEEDS(memory.put_scan(scan_named(name, 1000), by_service("result")));
     // As the first version left it.
     auto database = Database::open(file, Database::Access::ReadWrite);
-    SUCCEEDS(
-        database->execute("DROP TABLE outbox; DROP TABLE scan_evidence; DELETE FROM settings WHERE key = "
-                          "'outbox'; PRAGMA user_version = 1"));
+    SUCCEEDS(database->execute(
+        "DROP TABLE outbox; DROP TABLE scan_evidence; DELETE FROM settings WHERE key = "
+        "'outbox'; DROP INDEX scans_part; ALTER TABLE scans DROP COLUMN part; ALTER TABLE "
+        "scans DROP COLUMN foot; ALTER TABLE scans DROP COLUMN size; PRAGMA user_version = 1"));
   }
   CHECK(!Outbox::open(file));
   Memory memory = opened();
@@ -311,6 +322,57 @@ TEST(Memory, ShoesOfBeforeTheOutboxAreInItOnce) {
   const auto all = outbox->after(0, 100);
   LONGS_EQUAL(2, all->rows.size());
   STRCMP_EQUAL("scan-0002", all->rows[1].scan.name.c_str());
+  // Nor had anybody said whose shoes they were.
+  CHECK(all->rows[1].scan.part.empty() && all->rows[1].scan.foot.empty() && all->rows[1].scan.size.empty());
+}
+
+TEST(Memory, AShoeIsFoundByItsPartNumberOrTheBeginningOfIt) {
+  Memory memory = opened();
+  int number = 0;
+  for (const char* part : {"A-17", "A-171", "a-17", "", "A-17*", "A-1", "A-18"}) {
+    ++number;
+    Scan scan = scan_named("scan-" + std::to_string(number), number);
+    scan.part = part;
+    SUCCEEDS(memory.put_scan(scan, by_service("result")));
+  }
+  const auto found = [&](const std::string& part) {
+    ScanFilter filter;
+    filter.part = part;
+    const auto page = memory.scans(filter);
+    SUCCEEDS(page);
+    std::string names;
+    for (const Scan& scan : page->scans) names += scan.part + " ";
+    return names;
+  };
+  STRCMP_EQUAL("A-17 ", found("A-17").c_str());
+  STRCMP_EQUAL("A-17* A-171 A-17 ", found("A-17*").c_str());
+  STRCMP_EQUAL("A-18 A-1 A-17* A-171 A-17 ", found("A-1*").c_str());
+  STRCMP_EQUAL("", found("B*").c_str());
+  // All that have one, and all.
+  LONGS_EQUAL(6, std::ranges::count(found("*"), ' '));
+  LONGS_EQUAL(7, std::ranges::count(found(""), ' '));
+}
+
+TEST(Memory, OfAPartNumberTheNewestOtherScanThatWasSentIsTold) {
+  Memory memory = opened();
+  for (const auto& [name, part, sent] :
+       {std::tuple{"scan-0001", "A-17", true}, std::tuple{"scan-0002", "A-17", true},
+        std::tuple{"scan-0003", "A-17", false}, std::tuple{"scan-0004", "A-18", true},
+        std::tuple{"scan-0005", "", true}}) {
+    Scan scan = scan_named(name, 1000);
+    scan.part = part;
+    scan.sent = sent;
+    SUCCEEDS(memory.put_scan(scan, by_service("result")));
+  }
+  const auto before = [&](const char* part, const char* scan) {
+    const auto found = memory.sent_before(part, scan);
+    SUCCEEDS(found);
+    return *found ? (*found)->name : std::string{};
+  };
+  STRCMP_EQUAL("scan-0002", before("A-17", "scan-0003").c_str());
+  STRCMP_EQUAL("scan-0001", before("A-17", "scan-0002").c_str());
+  STRCMP_EQUAL("", before("A-18", "scan-0004").c_str());
+  STRCMP_EQUAL("", before("", "scan-0001").c_str());
 }
 
 TEST(Memory, FileIsItsOwnersAloneAndOthersKindIsRefused) {
@@ -384,6 +446,15 @@ TEST(Memory, TrendsLeaveOutWhatAPersonStoppedOnItsWay) {
   LONGS_EQUAL(1, trends->buckets[0].refused);
   LONGS_EQUAL(2, trends->reasons.size());
   for (const ReasonCount& reason : trends->reasons) LONGS_EQUAL(1, reason.scans);
+  // It is counted as what it was.
+  LONGS_EQUAL(1, trends->stopped);
+  const auto json = to_json(*trends);
+  LONGS_EQUAL(2, json["ended_by"]["person"].get<int>());
+  LONGS_EQUAL(0, json["ended_by"]["machine"].get<int>());
+  LONGS_EQUAL(1, json["ended_by"]["shoe"].get<int>());
+  for (const auto& reason : json["reasons"])
+    STRCMP_EQUAL(reason["reason_code"] == "no_crease" ? "shoe" : "person",
+                 reason["ended_by"].get<std::string>().c_str());
   // Its row stays in the list.
   LONGS_EQUAL(3, memory.scans({})->scans.size());
 }
