@@ -136,7 +136,7 @@ export class FakeCell {
     this.scans = [
       row('scan-0004', 'amber', 'held', { u95_mm: 1.4, weak_stretches: 1, reason: 'weak on the left side' }),
       row('scan-0003', 'refused', 'open', { reason_code: 'no_crease', reason: 'no crease: nothing concave runs round the side', next_step: 'push the sole on, or transfer the line of a sample', length_mm: null, u95_mm: null, weak_stretches: null, confidence: 0.1 }),
-      row('scan-0002', 'ok', 'automatic', { sent: true, followed: true }),
+      row('scan-0002', 'ok', 'automatic', { sent: true, followed: true, part: 'A-17', foot: 'left', size: 'EU 42' }),
       row('scan-0001', 'ok', 'accepted', { decided_by: 'anna' }),
     ];
     this.trends = [...Array(10).keys()].map((i) => ({ time: new Date(Date.UTC(2026, 10, 10 + i)).toISOString(), scans: 20 + i, ok: 16 + i, amber: 2, review: 0, refused: 1, failed: 1, cycle_s: 30 + Math.sin(i), u95_mm: 0.3 + 0.02 * i, length_mm: 640 }));
@@ -212,7 +212,9 @@ export class FakeCell {
 
   told_state() {
     const held = this.scans.find((scan) => scan.decision === 'held');
-    return { ...this.state, held: held ? { scan: held.id, waits_for: 'word', fresh_s: this.fresh_s, sendable: this.fresh_s !== 0 && !this.not_sendable, reason_code: null, reason: this.not_sendable ?? null, next_step: this.not_sendable ? 'scan the shoe again' : null } : null, control: this.control, seq: this.seq };
+    const sendable = this.fresh_s !== 0 && !this.not_sendable;
+    const offers = held ? ['rescan', 'reject', 'process', 'mend', ...(sendable ? ['accept', 'air'] : [])] : ['start', 'rescan'];
+    return { ...this.state, offers, held: held ? { scan: held.id, waits_for: 'word', fresh_s: this.fresh_s, sendable, reason_code: null, reason: this.not_sendable ?? null, next_step: this.not_sendable ? 'scan the shoe again' : null } : null, control: this.control, seq: this.seq };
   }
   push(event, data) {
     const text = JSON.stringify({ event, data, seq: ++this.seq, time: new Date().toISOString() });
@@ -323,7 +325,9 @@ export class FakeCell {
     }
     if (path === '/scans') {
       const verdict = asked.get('verdict');
-      return [200, { scans: this.scans.filter((scan) => !verdict || scan.verdict === verdict), next: null }];
+      const part = asked.get('part')?.replace(/\*$/, '');
+      const wanted = (scan) => (!verdict || scan.verdict === verdict) && (!part || scan.part?.startsWith(part));
+      return [200, { scans: this.scans.filter(wanted), next: null }];
     }
     const scan_path = /^\/scans\/(scan-\d+)(?:\/(.*))?$/.exec(path);
     if (scan_path) {
@@ -450,7 +454,7 @@ export class FakeCell {
     if (path === '/log') return [200, { entries: [{ seq: 2, time: '2026-11-20T10:01:00Z', who: 'anna', door: 'web', what: 'accept', subject: 'scan-0001', before: { decision: 'open' }, after: { decision: 'accepted' } }], next: null }];
     if (path === '/history/trends') {
       const places = [...Array(36).keys()];
-      return [200, { buckets: this.trends, reasons: [{ reason_code: 'no_crease', scans: 6 }, { reason_code: 'not_a_shoe', scans: 4 }], capability: { model: 'runner-42', tolerance_mm: 0.5, scans: 90, pp: places.map((i) => 1.8 + 0.2 * Math.sin(i)), ppk: places.map((i) => 1.5 + 0.3 * Math.sin(i)) } }];
+      return [200, { buckets: this.trends, reasons: [{ reason_code: 'no_crease', scans: 6, ended_by: 'shoe' }, { reason_code: 'no_poses', scans: 4, ended_by: 'machine' }], ended_by: { person: 1, machine: 4, shoe: 6 }, capability: { model: 'runner-42', tolerance_mm: 0.5, scans: 90, pp: places.map((i) => 1.8 + 0.2 * Math.sin(i)), ppk: places.map((i) => 1.5 + 0.3 * Math.sin(i)) } }];
     }
     return fail(404, 'not_found', `${path}: no such thing`);
   }

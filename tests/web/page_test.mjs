@@ -298,6 +298,33 @@ await otto.page.getByRole('button', { name: 'Take control' }).click();
 await anna.page.getByText('otto has control').waitFor();
 check(await anna.page.getByRole('button', { name: 'Scan again' }).isDisabled(), 'a decision without control');
 
+say('whose shoe: said with the start, told in rows, found again');
+await otto.page.goto(`${address}#/live`);
+await otto.page.getByLabel('Part number').fill('A-18');
+await otto.page.getByLabel('Foot').selectOption('left');
+const starts = () => cell.calls.filter((one) => one.path === '/commands/start');
+const starts_before = starts().length;
+// As a scanner ends its number.
+await otto.page.getByLabel('Part number').press('Enter');
+await otto.page.waitForTimeout(300);
+check(starts().length === starts_before, 'a scanner started a scan');
+await otto.page.getByRole('button', { name: 'Start a scan' }).click();
+await otto.page.getByText('A scan was asked for.').waitFor();
+check(JSON.stringify(starts().at(-1).body) === '{"part":"A-18","foot":"left"}', `started ${JSON.stringify(starts().at(-1).body)}`);
+// The number was of that shoe alone.
+check((await otto.page.getByLabel('Part number').inputValue()) === '', 'the next shoe has the same part number');
+Object.assign(cell.state, { part: 'A-18', foot: 'left', size: null });
+cell.push('state', cell.told_state());
+await otto.page.getByText('A-18, left', { exact: true }).waitFor();
+Object.assign(cell.state, { part: null, foot: null });
+await otto.page.goto(`${address}#/scans`);
+await otto.page.getByRole('row', { name: /scan-0002.*A-17, left, EU 42/ }).waitFor();
+await otto.page.getByLabel('Part number').fill('A-1');
+await otto.page.getByRole('row', { name: /scan-0001/ }).waitFor({ state: 'detached' });
+await otto.page.getByRole('row', { name: /scan-0002/ }).waitFor();
+check((await otto.page.getByRole('row', { name: /scan-0001/ }).count()) === 0, 'others are found with a part number');
+await look_for_faults(otto.page, 'a shoe by its part number');
+
 say('compare with another scan');
 await anna.page.goto(`${address}#/scans/scan-0004`);
 await anna.page.getByLabel('Compare with').selectOption('scan-0001');
@@ -436,10 +463,11 @@ await anna.page.getByText('The arm has run the whole path in the air, 161 s').wa
 const save_step = anna.page.getByRole('region', { name: 'Save the model' });
 await save_step.getByLabel('Name').fill('taught-40');
 await save_step.getByLabel('Size').fill('EU 40');
+await save_step.getByLabel('Sample of').fill('runner-42');
 await save_step.getByRole('button', { name: 'Save' }).click();
 await anna.page.getByText('Work this shoe now as taught-40.', { exact: false }).waitFor();
 const taught = cell.calls.findLast((one) => one.path === '/models' && one.method === 'POST').body;
-check(JSON.stringify(taught) === '{"name":"taught-40","size":"EU 40","scan":"scan-0005"}', `taught ${JSON.stringify(taught)}`);
+check(JSON.stringify(taught) === '{"name":"taught-40","size":"EU 40","of":"runner-42","scan":"scan-0005"}', `taught ${JSON.stringify(taught)}`);
 await look_for_faults(anna.page, 'taught');
 await anna.page.screenshot({ path: join(pictures, 'taught_1280.png'), fullPage: true });
 cell.not_sendable = 'messages lost: 3 (0)';
@@ -649,6 +677,7 @@ say('trends of one day: an axis of that day, and figures without a pointer');
   await one.page.getByText('vera, viewer').waitFor();
   await one.page.goto(`${address}#/scans`);
   await one.page.locator('.chart').first().locator('.u-legend').waitFor();
+  await one.page.getByText('Ended by a person: 1, by the machine: 4, by the shoe: 6.').waitFor();
   const painted = await one.page.evaluate(() => globalThis.painted);
   const days = [...new Set(painted.filter((text) => /^\d{1,2} [A-Z][a-z]+$/.test(text)))];
   check(days.length > 0 && days.every((day) => ['18 Nov', '19 Nov', '20 Nov'].includes(day)), `days of one day: ${days}`);

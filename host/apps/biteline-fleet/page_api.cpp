@@ -2,6 +2,7 @@
 #include "host/apps/biteline-fleet/page_api.hpp"
 
 #include <algorithm>
+#include <array>
 
 #include "host/doors/api/people.hpp"
 #include "host/doors/api/words.hpp"
@@ -9,15 +10,11 @@
 namespace biteline::fleet {
 
 using accounts::Person;
-using accounts::Role;
 using control::Answer;
 using control::Request;
 
 namespace {
 
-constexpr std::string_view k_root = "/api/v1";
-constexpr std::string_view k_user = "/users/";
-constexpr std::string_view k_fetches = "/fleet/fetches";
 /// Counting all shoes takes the database longer the more there are: a tenth of its time, at most.
 constexpr std::chrono::milliseconds k_fresh{3000};
 constexpr int k_rest = 10;
@@ -25,59 +22,15 @@ constexpr std::size_t k_most_kept = 200;
 
 }  // namespace
 
-struct PageApi::Route {
-  const char* method;
-  std::string_view path;
-  std::optional<Role> role;  ///< nothing: nobody need be logged in
+struct PageApi::Row : api::Route {
   Answer (PageApi::*answer)(const Call&);
-  Answer (*of_people)(accounts::Accounts&, const Call&);
 };
 
-std::vector<PageApi::Route> PageApi::routes() {
-  using enum Role;
-  const auto people = [](const char* method, std::string_view path, std::optional<Role> role,
-                         Answer (*answer)(accounts::Accounts&, const Call&)) {
-    return Route{method, path, role, nullptr, answer};
+std::span<const PageApi::Row> PageApi::rows() {
+  static constexpr std::array k_rows{
+#include "host/doors/api/centre_routes.inc"
   };
-  namespace login = api::people;
-  return {
-      people("POST", "/sessions", std::nullopt,
-             [](accounts::Accounts& all, const Call& call) { return login::log_in(all, call.request); }),
-      people("DELETE", "/sessions", Viewer,
-             [](accounts::Accounts& all, const Call& call) { return login::log_out(all, call.request); }),
-      people("GET", "/me", Viewer,
-             [](accounts::Accounts& all, const Call& call) {
-               return login::read_me(all, call.request, call.person);
-             }),
-      people("GET", "/users", Administrator,
-             [](accounts::Accounts& all, const Call&) { return login::list_users(all); }),
-      people("POST", "/users", std::nullopt,
-             [](accounts::Accounts& all, const Call& call) {
-               return login::add_user(all, call.request, call.person);
-             }),
-      people("PATCH", k_user, Viewer,
-             [](accounts::Accounts& all, const Call& call) {
-               return login::change_user(all, call.request, call.person, call.name);
-             }),
-      people("DELETE", k_user, Administrator,
-             [](accounts::Accounts& all, const Call& call) {
-               return login::remove_user(all, call.request, call.person, call.name);
-             }),
-      {"GET", "/state", Viewer, &PageApi::read_state, nullptr},
-      // Between programs, as at a cell: what the centre's biteline-web makes its /metrics of.
-      {"GET", "/exchange/metrics", std::nullopt, &PageApi::read_for_metrics, nullptr},
-      {"GET", "/log", Engineer, &PageApi::read_log, nullptr},
-      {"GET", "/fleet/scans", Viewer, &PageApi::list_shoes, nullptr},
-      {"GET", "/fleet/trends", Viewer, &PageApi::read_trends, nullptr},
-      {"GET", "/fleet/cells", Viewer, &PageApi::list_cells, nullptr},
-      {"GET", "/fleet/groups", Viewer, &PageApi::list_groups, nullptr},
-      {"GET", "/fleet/alarms", Viewer, &PageApi::list_alarms, nullptr},
-      {"GET", "/fleet/odd", Viewer, &PageApi::list_odd, nullptr},
-      {"GET", "/fleet/releases", Viewer, &PageApi::list_releases, nullptr},
-      {"GET", k_fetches, Viewer, &PageApi::list_fetches, nullptr},
-      {"POST", k_fetches, Engineer, &PageApi::fetch, nullptr},
-      {"POST", "/fleet/marks", Engineer, &PageApi::mark, nullptr},
-  };
+  return k_rows;
 }
 
 Answer PageApi::answer(const Request& request) {
@@ -90,35 +43,22 @@ Answer PageApi::answer(const Request& request) {
 }
 
 Answer PageApi::dispatch(const Request& request) {
-  static const std::vector<Route> k_routes = routes();
-  const std::string_view path = request.path.starts_with(k_root)
-                                    ? std::string_view{request.path}.substr(k_root.size())
-                                    : std::string_view{};
-  const bool user = path.starts_with(k_user) && path.size() > k_user.size();
-  bool other_method = false;
-  for (const Route& route : k_routes) {
-    if (user ? route.path != k_user : route.path != path) continue;
-    if (request.method != route.method) {
-      other_method = true;
-      continue;
-    }
-    const Result<std::optional<Person>> person = rooms_.accounts.who_is(request.token);
-    if (!person) return api::answer_of(person.error());
-    if (route.role) {
-      if (const std::optional<Answer> closed = api::people::closed_to(*person, *route.role)) return *closed;
-    }
-    const Call call{.request = request,
-                    .person = person->value_or(Person{}),
-                    .name = user ? std::string{path.substr(k_user.size())} : std::string{}};
-    if (route.of_people != nullptr) return route.of_people(rooms_.accounts, call);
-    // A page further back is asked for once, and a thousand shoes are megabytes.
-    const bool counts = request.method == "GET" && path.starts_with("/fleet/") && path != k_fetches &&
-                        !request.query.contains("cursor");
-    return counts ? kept_or(call, route.answer) : (this->*route.answer)(call);
-  }
-  if (other_method)
+  const api::Match<Row> match = api::find_route(rows(), request.method, request.path);
+  if (match.route == nullptr && !match.methods.empty())
     return control::refusal(405, "method_not_allowed", "another method is expected at this path");
-  return control::refusal(404, "not_found", "the centre has no such path; it commands no cell");
+  if (match.route == nullptr)
+    return control::refusal(404, "not_found", "the centre has no such path; it commands no cell");
+  const Row& row = *match.route;
+  const Result<std::optional<Person>> person = rooms_.accounts.who_is(request.token);
+  if (!person) return api::answer_of(person.error());
+  if (row.role) {
+    if (const std::optional<Answer> closed = api::people::closed_to(*person, *row.role)) return *closed;
+  }
+  const Call call{.request = request, .person = person->value_or(Person{}), .names = match.names};
+  // A page further back is asked for once, and a thousand shoes are megabytes.
+  const bool counts = request.method == "GET" && row.pattern.starts_with("/api/v1/fleet/") &&
+                      row.operation != "list_fetches" && !request.query.contains("cursor");
+  return counts ? kept_or(call, row.answer) : (this->*row.answer)(call);
 }
 
 Answer PageApi::kept_or(const Call& call, Answer (PageApi::*asked)(const Call&)) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file The meaning of /api/v1 at the centre (host/web/openapi_fleet.yaml).  Nothing here reaches an arm.
+/// \file The meaning of /api/v1 at the centre (host/web/openapi.yaml).  Nothing here reaches an arm.
 
 #include <atomic>
 #include <chrono>
@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "host/doors/accounts/accounts.hpp"
+#include "host/doors/api/routes.hpp"
 #include "host/doors/control/messages.hpp"
 #include "host/fleet/centre.hpp"
 #include "host/records/memory/factory_day.hpp"
@@ -37,10 +38,10 @@ class PageApi {
   struct Call {
     const control::Request& request;
     accounts::Person person;
-    std::string name;  ///< of a user in the path
+    std::vector<std::string> names;  ///< what stands in the path's braces, in order
   };
-  struct Route;
-  [[nodiscard]] static std::vector<Route> routes();
+  struct Row;
+  [[nodiscard]] static std::span<const Row> rows();
   [[nodiscard]] control::Answer dispatch(const control::Request& request);
   /// The last good answer to the same question, while it is fresh: many pages cost as much as one.
   [[nodiscard]] control::Answer kept_or(const Call& call, control::Answer (PageApi::*asked)(const Call&));
@@ -48,19 +49,9 @@ class PageApi {
   [[nodiscard]] Result<Centre*> centre();
   [[nodiscard]] control::Answer answer_of(const Error& error);
 
-  [[nodiscard]] control::Answer read_state(const Call& call);
-  [[nodiscard]] control::Answer read_for_metrics(const Call& call);
-  [[nodiscard]] control::Answer read_log(const Call& call);
-  [[nodiscard]] control::Answer list_cells(const Call& call);
-  [[nodiscard]] control::Answer list_shoes(const Call& call);
-  [[nodiscard]] control::Answer read_trends(const Call& call);
-  [[nodiscard]] control::Answer list_groups(const Call& call);
-  [[nodiscard]] control::Answer list_alarms(const Call& call);
-  [[nodiscard]] control::Answer list_odd(const Call& call);
-  [[nodiscard]] control::Answer list_releases(const Call& call);
-  [[nodiscard]] control::Answer list_fetches(const Call& call);
-  [[nodiscard]] control::Answer fetch(const Call& call);
-  [[nodiscard]] control::Answer mark(const Call& call);
+  // `Answer operationId(const Call&)` for each operation that the API's documents give to the centre.
+#include "host/doors/api/centre_handlers.inc"
+
   void log(const Call& call, const char* action, const std::string& subject) const;
 
   struct Kept {

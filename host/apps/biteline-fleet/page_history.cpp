@@ -40,7 +40,7 @@ Json sums_json(const memory::Trend& sums) {
 
 }  // namespace
 
-Answer PageApi::list_shoes(const Call& call) {
+Answer PageApi::list_fleet_scans(const Call& call) {
   const api::QueryFilter query = filter_of(call.request, rooms_.day);
   if (query.fault) return *query.fault;
   const Result<Centre*> here = centre();
@@ -57,6 +57,9 @@ Answer PageApi::list_shoes(const Call& call) {
                      {"decision", scan.decision},
                      {"model", api::or_null(scan.model)},
                      {"process", api::or_null(scan.process)},
+                     {"part", api::or_null(scan.part)},
+                     {"foot", api::or_null(scan.foot)},
+                     {"size", api::or_null(scan.size)},
                      {"reason_code", api::or_null(scan.reason_code)},
                      {"reason", api::or_null(scan.reason)},
                      {"length_mm", api::or_null(scan.length_mm)},
@@ -71,7 +74,7 @@ Answer PageApi::list_shoes(const Call& call) {
              {"next", page->next_id > 0 ? Json(std::to_string(page->next_id)) : Json{}}});
 }
 
-Answer PageApi::read_trends(const Call& call) {
+Answer PageApi::read_fleet_trends(const Call& call) {
   const api::QueryFilter query = filter_of(call.request, rooms_.day);
   if (query.fault) return *query.fault;
   const std::string asked = query_text(call.request, "bucket");

@@ -54,7 +54,7 @@ Answer PageApi::list_fetches(const Call&) {
   return ok({{"fetches", std::move(rows)}});
 }
 
-Answer PageApi::fetch(const Call& call) {
+Answer PageApi::fetch_recording(const Call& call) {
   api::Fields fields{call.request.body};
   const NamedScan named = named_in(fields);
   if (const std::optional<Answer> faults = fields.faults()) return *faults;
@@ -69,7 +69,7 @@ Answer PageApi::fetch(const Call& call) {
   return ok(fetch_json(*row), 202);
 }
 
-Answer PageApi::mark(const Call& call) {
+Answer PageApi::keep_fetched_recording(const Call& call) {
   api::Fields fields{call.request.body};
   const NamedScan named = named_in(fields);
   const std::optional<bool> marked = fields.boolean("marked");

@@ -75,7 +75,7 @@ Answer PageApi::list_alarms(const Call&) {
   return ok({{"alarms", std::move(rows)}});
 }
 
-Answer PageApi::list_odd(const Call&) {
+Answer PageApi::list_odd_cells(const Call&) {
   const Result<Centre*> here = centre();
   if (!here) return answer_of(here.error());
   const Result<std::vector<OddOfModel>> all = odd_of_all(**here);

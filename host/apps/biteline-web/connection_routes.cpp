@@ -152,10 +152,10 @@ net::awaitable<void> Connection::answer_route(const WebRequest& request, Asked a
   }
   switch (route.handling) {
     case Handling::FileList:
-      co_await send_file_list(asked.match.named.at("id"));
+      co_await send_file_list(asked.match.names.front());
       break;
     case Handling::File:
-      co_await send_result_file(request, asked.match.named.at("id"), asked.match.named.at("path"));
+      co_await send_result_file(request, asked.match.names.front(), asked.match.names.back());
       break;
     default:
       co_await watch(request, route.handling, session);
@@ -174,19 +174,19 @@ net::awaitable<std::string> Connection::first_token() {
 }
 
 net::awaitable<void> Connection::forward(const WebRequest& request, Asked asked) {
-  const Handling handling = asked.match.route->handling;
+  const Route& route = *asked.match.route;
+  const Handling handling = route.handling;
   control::Request question;
   question.token = session_of(request, handling, asked.query);
   question.local = is_local(request);
   question.door = "web";
-  question.method = asked.match.route->method;
+  question.method = route.method;
   question.path = asked.path;
   question.query = std::move(asked.query);
   // The service takes the first account from the cell's own machine, and no other without a session.
-  const bool first_account = question.method == "POST" && asked.path == "/api/v1/users";
-  if (first_account && question.local && question.token.empty()) question.token = co_await first_token();
-  const bool local_command = question.local && (first_account || asked.path == "/api/v1/commands/stop" ||
-                                                asked.path == "/api/v1/commands/laser-off");
+  const bool local_command = question.local && route.local;
+  const bool first_account = route.operation == "add_user";
+  if (local_command && first_account && question.token.empty()) question.token = co_await first_token();
   if (question.token.empty() && handling != Handling::Login && !local_command) {
     co_await send(login_needed());
     co_return;
@@ -213,8 +213,7 @@ net::awaitable<void> Connection::forward(const WebRequest& request, Asked asked)
   note_session(given, token);
   if (!given.file.empty()) {
     std::string name;
-    if (const auto named = asked.match.named.find("name"); named != asked.match.named.end())
-      name = named->second;
+    if (!asked.match.names.empty()) name = asked.match.names.front();
     co_await send_download(given, std::move(name));
     co_return;
   }

@@ -2,11 +2,10 @@
 #pragma once
 /// \file Every path of the API (host/web/openapi.yaml), and who answers it.
 
-#include <map>
 #include <span>
-#include <string>
 #include <string_view>
-#include <vector>
+
+#include "host/doors/api/routes.hpp"
 
 namespace biteline::web {
 
@@ -24,19 +23,12 @@ enum class Handling {
   Metrics,   ///< by this program, outside /api
 };
 
-struct Route {
-  std::string_view method;
-  std::string_view pattern;  ///< as in the OpenAPI file, from the root: "/api/v1/scans/{id}"
+struct Route : api::Route {
   Handling handling;
 };
+using RouteMatch = api::Match<Route>;
 
 [[nodiscard]] std::span<const Route> routes();
-
-struct RouteMatch {
-  const Route* route{nullptr};               ///< null: none of this path and method
-  std::map<std::string, std::string> named;  ///< {id}, {name}, {path}: the last may hold slashes
-  std::vector<std::string_view> methods;     ///< that this path has
-};
 /// `path` is decoded.
 [[nodiscard]] RouteMatch find_route(std::string_view method, std::string_view path);
 

@@ -11,6 +11,7 @@
 #include "host/doors/api/cell.hpp"
 #include "host/doors/api/exchange.hpp"
 #include "host/doors/api/mounted.hpp"
+#include "host/doors/api/routes.hpp"
 #include "host/doors/api/stock.hpp"
 #include "host/doors/api/stop_log.hpp"
 #include "host/doors/control/messages.hpp"
@@ -40,7 +41,7 @@ struct Rooms {
 struct Call {
   const control::Request& request;
   accounts::Person person;           ///< empty name: nobody is logged in
-  std::vector<std::string> names{};  ///< the path's parts in braces, in order
+  std::vector<std::string> names{};  ///< what stands in the path's braces, in order
 };
 
 [[nodiscard]] inline Speaker speaker(const Call& call) {
@@ -63,51 +64,23 @@ class Api {
   [[nodiscard]] static bool is_long(const control::Request& request);
 
  private:
-  struct Route;
-  [[nodiscard]] static std::vector<Route> routes();
-  [[nodiscard]] control::Answer dispatch(const control::Request& request);
-  /// The deed first, then the words about it.  `person`: as far as it is known.
-  [[nodiscard]] control::Answer stop(const control::Request& request,
-                                     const std::optional<accounts::Person>& person);
-  [[nodiscard]] control::Answer stop_for_line(const control::Request& request);
+  // `Answer operationId(const Call&)` for each operation that the API's documents give to the service.
+#include "host/doors/api/service_handlers.inc"
 
-  [[nodiscard]] control::Answer read_state(const Call& call);
-  [[nodiscard]] control::Answer log_in(const Call& call);
-  [[nodiscard]] control::Answer log_out(const Call& call);
-  [[nodiscard]] control::Answer read_me(const Call& call);
-  [[nodiscard]] control::Answer read_control(const Call& call);
-  [[nodiscard]] control::Answer change_control(const Call& call);
-  [[nodiscard]] control::Answer start(const Call& call);
-  [[nodiscard]] control::Answer rescan(const Call& call);
+  struct Row;
+  [[nodiscard]] static std::span<const Row> rows();
+  [[nodiscard]] static Match<Row> find(const control::Request& request);
+  [[nodiscard]] control::Answer dispatch(const control::Request& request, const Match<Row>& match);
+  /// Scan and arm, or the laser.  The deed first, then the words about it.  `person`: as far as it is known.
+  [[nodiscard]] control::Answer halt(const control::Request& request,
+                                     const std::optional<accounts::Person>& person);
   [[nodiscard]] std::optional<control::Answer> closed_to_line(const Call& call);
   /// For commands: besides, it is a door that was opened, and no program that calls itself one.
   [[nodiscard]] std::optional<control::Answer> closed_to_commands(const Call& call);
-  [[nodiscard]] control::Answer read_line(const Call& call);
-  [[nodiscard]] control::Answer choose_job(const Call& call);
-  [[nodiscard]] control::Answer start_for_line(const Call& call);
-  [[nodiscard]] control::Answer list_scans(const Call& call);
-  [[nodiscard]] control::Answer read_scan(const Call& call);
-  [[nodiscard]] control::Answer accept(const Call& call);
-  [[nodiscard]] control::Answer reject(const Call& call);
-  [[nodiscard]] control::Answer hold(const Call& call);
-  [[nodiscard]] control::Answer send(const Call& call);
-  [[nodiscard]] control::Answer choose_model(const Call& call);
-  [[nodiscard]] control::Answer choose_process(const Call& call);
-  [[nodiscard]] control::Answer run_in_air(const Call& call);
   /// 202, and who did what in the log.
   [[nodiscard]] control::Answer begun(const Call& call, const std::string& action, const std::string& what,
                                       const std::string& words);
-  [[nodiscard]] control::Answer mend(const Call& call);
-  [[nodiscard]] control::Answer rerun(const Call& call);
-  [[nodiscard]] control::Answer keep(const Call& call);
   [[nodiscard]] control::Answer decide(const Call& call, Decision::Kind kind, int status, bool needs_why);
-  [[nodiscard]] control::Answer list_models(const Call& call);
-  [[nodiscard]] control::Answer save_model(const Call& call);
-  [[nodiscard]] control::Answer read_model(const Call& call);
-  [[nodiscard]] control::Answer remove_model(const Call& call);
-  [[nodiscard]] control::Answer export_model(const Call& call);
-  [[nodiscard]] control::Answer import_model(const Call& call);
-  [[nodiscard]] control::Answer drop_import(const Call& call);
   /// The scan's own process, or the one that is named.  Refused: it is another than the scan was planned
   /// with, and nobody said so.
   [[nodiscard]] std::optional<control::Answer> choose_process_of_model(const std::string& scan,
@@ -116,30 +89,8 @@ class Api {
   /// 201 for a model that is new or in the place of another: in the log and told to all doors.
   [[nodiscard]] control::Answer tell_of_model(const Call& call, const transfer::ModelInfo& model,
                                               const std::string& action, const std::string& scan);
-  [[nodiscard]] control::Answer list_processes(const Call& call);
-  [[nodiscard]] control::Answer read_process_schema(const Call& call);
-  [[nodiscard]] control::Answer read_process(const Call& call);
-  [[nodiscard]] control::Answer write_process(const Call& call);
-  [[nodiscard]] control::Answer check_process(const Call& call);
   [[nodiscard]] Result<std::string> newest_with_line() const;
   [[nodiscard]] Result<Stock> stock() const;
-  [[nodiscard]] control::Answer read_mounted(const Call& call);
-  [[nodiscard]] control::Answer touch(const Call& call);
-  [[nodiscard]] control::Answer end_lesson(const Call& call);
-  [[nodiscard]] control::Answer keep_mounted(const Call& call);
-  [[nodiscard]] control::Answer forget_mounted(const Call& call);
-  [[nodiscard]] control::Answer list_robots(const Call& call);
-  [[nodiscard]] control::Answer list_sensors(const Call& call);
-  [[nodiscard]] control::Answer change_settings(const Call& call);
-  [[nodiscard]] control::Answer keep_recording(const Call& call);
-  [[nodiscard]] control::Answer list_users(const Call& call);
-  [[nodiscard]] control::Answer add_user(const Call& call);
-  [[nodiscard]] control::Answer change_user(const Call& call);
-  [[nodiscard]] control::Answer remove_user(const Call& call);
-  [[nodiscard]] control::Answer read_log(const Call& call);
-  [[nodiscard]] control::Answer read_trends(const Call& call);
-  [[nodiscard]] control::Answer export_history(const Call& call);
-
   [[nodiscard]] Json control_json() const;
 
   Rooms rooms_;

@@ -41,8 +41,11 @@ struct Decision {
 
 /// What the next scan is worked with, until another is chosen.  Empty: as recognised.
 struct Job {
-  std::string model;
-  std::string process;       ///< name of a process; empty: the model's own
+  std::string model{};       ///< name of a model or of one of its samples
+  std::string process{};     ///< name of a process; empty: the model's own
+  std::string foot{};        ///< left or right
+  std::string size{};        ///< as its samples name it, e.g. "EU 42"
+  std::string part{};        ///< part number of the next shoe, and of no other
   bool keep_process{false};  ///< nothing was said of it: what a person chose before goes on
   bool hold{false};          ///< every scan of it waits for a person, whatever its process says
 };
@@ -109,6 +112,8 @@ class Cell {
   [[nodiscard]] virtual std::optional<Job> job_of(int number) = 0;
   /// `control_held`: by somebody at a page.
   [[nodiscard]] virtual line_control::Refusal choose_job(int number, bool control_held) = 0;
+  /// Of the scan that is started next; empty: it has none.
+  [[nodiscard]] virtual line_control::Refusal choose_part(const std::string& part, bool control_held) = 0;
   /// `fresh`: no start of this number was taken before.
   struct LineStart {
     line_control::Refusal refusal{line_control::Refusal::None};

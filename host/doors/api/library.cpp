@@ -22,6 +22,7 @@ Json model_json(const transfer::ModelInfo& model) {
             {"process", or_null(model.made.process)},
             {"size", or_null(model.made.size)},
             {"foot", or_null(model.made.foot)},
+            {"of", or_null(model.made.of)},
             {"version", model.made.version},
             {"length_mm", model.damage ? Json{} : Json(model.line_length_mm)}};
   if (!model.made.time.empty()) json["time"] = model.made.time;
@@ -131,14 +132,15 @@ Answer Api::save_model(const Call& call) {
   const std::string scan = fields.text("scan", 14, true);
   const std::string process = fields.text("process", bounds::k_name);
   transfer::ModelMade made;
-  made.size = fields.text("size", 20);
-  made.foot = fields.text("foot", 5);
+  made.size = fields.text("size", bounds::k_size);
+  made.foot = fields.text("foot", bounds::k_choice);
+  made.of = fields.text("of", bounds::k_name);
   const bool replace = fields.boolean("replace").value_or(false);
   const bool other_process = fields.boolean("other_process").value_or(false);
   if (!is_name(name)) fields.fault("name", "letters, digits, '.', '_', '-', at most 64, expected");
   if (!is_scan_id(scan)) fields.fault("scan", "scan-0001 expected");
-  if (!made.foot.empty() && made.foot != "left" && made.foot != "right")
-    fields.fault("foot", "left or right expected");
+  if (!made.of.empty() && !is_name(made.of)) fields.fault("of", "a model's name expected");
+  if (!made.foot.empty() && !is_foot(made.foot)) fields.fault("foot", "left or right expected");
   if (other_process && process.empty()) fields.fault("process", "the other process expected");
   if (const std::optional<Answer> faults = fields.faults()) return *faults;
   transfer::SaveOptions options{.process_file = {}, .replace = replace, .made = made};

@@ -4,6 +4,7 @@
 
 #include "host/doors/api/api.hpp"
 #include "host/doors/api/words.hpp"
+#include "host/doors/line_control/part_number.hpp"
 
 namespace biteline::api {
 
@@ -52,13 +53,13 @@ std::optional<Answer> Api::closed_to_line(const Call& call) {
   return std::nullopt;
 }
 
-Answer Api::stop_for_line(const control::Request& request) {
-  if (!is_line_door(request.door))
+Answer Api::stop_for_line(const Call& call) {
+  if (!is_line_door(call.request.door))
     return control::refusal(404, "not_found", "this path is for --modbus and --text of biteline-web alone");
   // Whoever may start may stop, also where scans are not for the line's control to start, and without a
   // token.
   rooms_.cell.stop("the line's control");
-  stop_log_.add(line_event(request.door, "stop", ""));
+  stop_log_.add(line_event(call.request.door, "stop", ""));
   return line_answer(Refusal::None);
 }
 
@@ -94,6 +95,22 @@ Answer Api::choose_job(const Call& call) {
     static_cast<void>(
         rooms_.memory.log(line_event(call.request.door, "job chosen", std::to_string(*number))));
   }
+  return line_answer(refusal);
+}
+
+Answer Api::choose_part(const Call& call) {
+  if (std::optional<Answer> closed = closed_to_commands(call)) return *closed;
+  const Json& body = call.request.body;
+  const bool sound =
+      body.is_object() && body.size() == 1 && body.contains("part") && body["part"].is_string();
+  const std::optional<std::string> part =
+      sound ? line_control::part_number(body["part"].get<std::string>()) : std::nullopt;
+  if (!part) return line_answer(Refusal::BadRequest);
+  const std::string before = rooms_.cell.line_state().next_part;
+  const Refusal refusal = rooms_.cell.choose_part(*part, rooms_.accounts.holder().has_value());
+  // As of a job: one that is said again and again fills no log.
+  if (refusal == Refusal::None && before != *part)
+    static_cast<void>(rooms_.memory.log(line_event(call.request.door, "part chosen", *part)));
   return line_answer(refusal);
 }
 

@@ -138,7 +138,7 @@ class Mending {
 
 }  // namespace
 
-Answer Api::mend(const Call& call) {
+Answer Api::mend_scan(const Call& call) {
   const std::string& id = call.names.front();
   Fields fields{call.request.body};
   results::MendOrder order{

@@ -59,7 +59,7 @@ Answer Api::export_model(const Call& call) {
   return answer;
 }
 
-Answer Api::import_model(const Call& call) {
+Answer Api::add_to_import(const Call& call) {
   Fields fields{call.request.body};
   const auto at = fields.number("at", 0, static_cast<double>(Exchange::k_most_bytes));
   const std::optional<std::string> piece = from_base64(fields.text("bytes", k_most_piece_text));

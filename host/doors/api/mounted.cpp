@@ -93,7 +93,16 @@ Answer MountedRoom::touch(const Json& body, std::chrono::steady_clock::time_poin
   if (wanted == Lesson::Part::Table && !record->tip)
     return control::refusal(409, "wrong_state", "teach the tip first: it is what touches the table");
   const Result<robot::ur::ArmLook> look = cell_.look_at_arm();
-  if (!look) return answer_of(look.error());
+  if (!look) {
+    Answer told = answer_of(look.error());
+    // An arm that does not answer is no failure of this program.
+    if (told.status == 500) {
+      told = control::refusal(409, "wrong_state",
+                              "the arm does not answer (" + to_line(look.error()) +
+                                  "); see to its power and its network, then touch again");
+    }
+    return told;
+  }
   look_ = *look;
   // Others' work may have come first, and the arm may have gone on since the person said "it touches".
   const std::chrono::duration<double> late = std::chrono::steady_clock::now() - heard;

@@ -65,6 +65,7 @@ constexpr std::array k_help{
     Help{"gate.automatic_above", "With automatic approval: a line at least as sure as this needs no person"},
     Help{"gate.tolerance_mm", "Nothing is sent when the line is less certain (U95); 0: not asked for"},
     Help{"start", "Where the closed line is entered"},
+    Help{"foot", "The foot that stretches are told on; on the other one they are mirrored"},
     Help{"zones", "Parts of the line that are worked in their own way, or left out; the first one counts"},
     Help{"zones[].name", "Words for people"},
     Help{"zones[].where", "A stretch of the line, or what of it lies at the shoe's heel or toe"},

@@ -127,16 +127,16 @@ Answer Api::decide(const Call& call, Decision::Kind kind, int status, bool needs
   return ok(to_json(**scan), status);
 }
 
-Answer Api::accept(const Call& call) {
+Answer Api::accept_scan(const Call& call) {
   return decide(call, Decision::Kind::Accept, 200, false);
 }
-Answer Api::reject(const Call& call) {
+Answer Api::reject_scan(const Call& call) {
   return decide(call, Decision::Kind::Reject, 200, true);
 }
-Answer Api::hold(const Call& call) {
+Answer Api::hold_scan(const Call& call) {
   return decide(call, Decision::Kind::Hold, 200, false);
 }
-Answer Api::send(const Call& call) {
+Answer Api::send_scan(const Call& call) {
   return decide(call, Decision::Kind::Send, 202, false);
 }
 
@@ -196,7 +196,7 @@ Answer Api::run_in_air(const Call& call) {
                "the arm runs the path of " + id + " in the air, if the gate opens");
 }
 
-Answer Api::keep(const Call& call) {
+Answer Api::keep_scan(const Call& call) {
   const std::string& id = call.names.front();
   Fields fields{call.request.body};
   const std::optional<bool> kept = fields.boolean("kept");

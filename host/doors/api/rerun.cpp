@@ -101,7 +101,7 @@ Json reruns_json(const fs::path& scan, const std::function<bool(int)>& open) {
   return list;
 }
 
-Answer Api::rerun(const Call& call) {
+Answer Api::rerun_scan(const Call& call) {
   const std::string& id = call.names.front();
   Fields fields{call.request.body};
   RerunOrder order{.scan = id,

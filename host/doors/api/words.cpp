@@ -8,6 +8,7 @@
 
 #include "common/core/text.hpp"
 #include "common/core/text_bounds.hpp"
+#include "host/records/memory/history.hpp"
 
 namespace biteline::api {
 namespace {
@@ -180,6 +181,8 @@ QueryFilter filter_of(const std::map<std::string, std::string>& query, const mem
       out.filter.verdict = value;
     } else if (name == "reason_code") {
       out.filter.reason_code = value;
+    } else if (name == "part") {
+      out.filter.part = value;
     } else if (name == "limit") {
       const std::optional<std::int64_t> limit = number_of(value);
       if (!limit || *limit < 1 || *limit > memory::k_most_scans) fault(name, "a number from 1 to 1000");
@@ -189,7 +192,7 @@ QueryFilter filter_of(const std::map<std::string, std::string>& query, const mem
       if (!cursor || *cursor < 1) fault(name, "`next` of the page before");
       out.filter.before_id = cursor.value_or(0);
     } else if (name != "bucket" && name != "separator" && name != "decimal" && name != "byte_mark") {
-      fault(name, "from, to, model, verdict, reason_code, limit, cursor or bucket");
+      fault(name, "from, to, model, verdict, reason_code, part, limit, cursor or bucket");
     }
   }
   return out;
@@ -207,6 +210,10 @@ bool is_scan_id(const std::string& text) {
   return text.starts_with(k_front) && text.size() >= k_front.size() + 4 &&
          text.size() <= k_front.size() + 9 &&
          std::all_of(text.begin() + k_front.size(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
+}
+
+bool is_foot(const std::string& text) {
+  return text == "left" || text == "right";
 }
 
 Json or_null(const std::string& text) {
@@ -228,9 +235,13 @@ Json to_json(const memory::Scan& scan) {
            {"model", or_null(scan.model)},
            {"model_probability", or_null(scan.model_probability)},
            {"process", or_null(scan.process)},
+           {"part", or_null(scan.part)},
+           {"foot", or_null(scan.foot)},
+           {"size", or_null(scan.size)},
            {"reason_code", or_null(scan.reason_code)},
            {"reason", or_null(scan.reason)},
            {"next_step", or_null(scan.next_step)},
+           {"ended_by", or_null(std::string{report::name_of(memory::ended_by(scan))})},
            {"length_mm", or_null(scan.length_mm)},
            {"confidence", or_null(scan.confidence)},
            {"u95_mm", or_null(scan.u95_mm)},

@@ -60,6 +60,7 @@ struct QueryFilter {
 
 [[nodiscard]] bool is_name(const std::string& text);
 [[nodiscard]] bool is_scan_id(const std::string& text);
+[[nodiscard]] bool is_foot(const std::string& text);  ///< left or right
 
 /// `ScanRow`, `LogEntry` and `User`.
 [[nodiscard]] Json to_json(const memory::Scan& scan);

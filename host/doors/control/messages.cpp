@@ -2,6 +2,7 @@
 #include "host/doors/control/messages.hpp"
 
 #include <array>
+#include <charconv>
 #include <chrono>
 #include <cstdio>
 #include <ctime>
@@ -173,6 +174,16 @@ Result<std::variant<Request, Hello>> read_from_door(std::string_view text) {
     return Hello{.door = std::move(door)};
   }
   return request_of(json);
+}
+
+std::uint64_t id_of_refused(std::string_view text) {
+  // What is too long or too deep is not parsed for it.
+  constexpr std::string_view k_begin = R"({"id":)";
+  if (!text.starts_with(k_begin)) return 0;
+  std::uint64_t id = 0;
+  const char* const end = text.data() + text.size();
+  const auto [at, fault] = std::from_chars(text.data() + k_begin.size(), end, id);
+  return fault == std::errc{} && at != end && *at == ',' ? id : 0;
 }
 
 Result<std::variant<Answer, Event>> read_from_service(std::string_view text) {

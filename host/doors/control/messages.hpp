@@ -79,6 +79,9 @@ struct Hello {
 /// What a door may send.  Errc::ProtocolError, naming the field, for anything else: too long, too deep, no
 /// JSON, another type, control characters in a name.
 [[nodiscard]] Result<std::variant<Request, Hello>> read_from_door(std::string_view text);
+/// The id of a request that read_from_door() refuses, so that its door hears of it; 0 where it does not begin
+/// as to_text() writes it.
+[[nodiscard]] std::uint64_t id_of_refused(std::string_view text);
 /// What the service may send.
 [[nodiscard]] Result<std::variant<Answer, Event>> read_from_service(std::string_view text);
 

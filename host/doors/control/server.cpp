@@ -169,8 +169,10 @@ struct Server::State {
           const std::lock_guard lock{mutex};
           ++counters.refused_messages;
         }
-        // Without an id of its own: the door's fault, told to whoever reads its log.
-        send_to(door, to_text(refusal(400, "bad_message", to_line(heard.error()))));
+        // A person's address may be longer than a request's: who asked is told, and waits for nothing.
+        Answer told = refusal(400, "bad_request", to_line(heard.error()));
+        told.id = id_of_refused(view(message->parts[1]));
+        send_to(door, to_text(told));
         continue;
       }
       if (auto* request = std::get_if<Request>(&*heard)) {

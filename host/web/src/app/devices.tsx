@@ -2,8 +2,8 @@
 // Robots and sensors: what is wrong with them, what to do, and how they went since the page was opened.
 import type { JSX } from 'preact';
 import { useMemo } from 'preact/hooks';
+import type { Disk, Robot, Sensor } from 'openapi';
 import { number, t, t_or } from '../words';
-import type { Disk, Robot, Sensor } from './api';
 import { MountedCard } from './mounted';
 import { Chart, Failure, Figures, Table } from './parts';
 import { use_reading, use_store } from './store';
@@ -18,8 +18,8 @@ const figures = [
   'messages_lost',
   'poses_lost',
   'overruns',
-];
-const flags = ['scanning', 'camera_connected', 'poses_flow', 'realtime'];
+] as const;
+const flags = ['scanning', 'camera_connected', 'poses_flow', 'realtime'] as const;
 
 function yes_no(value: unknown): string {
   return value === true ? t('yes') : value === false ? t('no') : '–';
@@ -35,19 +35,19 @@ export function Devices(): JSX.Element {
       temperature: [
         {
           label: t('temperature'),
-          values: health.map((s) => (s.sensor.temperature_degc as number | null) ?? null),
+          values: health.map((s) => s.sensor.temperature_degc ?? null),
           colour: '--link',
         },
       ],
       lost: [
         {
           label: t('figure_frames_lost'),
-          values: health.map((s) => (s.sensor.frames_lost as number) ?? null),
+          values: health.map((s) => s.sensor.frames_lost ?? null),
           colour: '--link',
         },
         {
           label: t('figure_profiles_dropped'),
-          values: health.map((s) => (s.sensor.profiles_dropped as number) ?? null),
+          values: health.map((s) => s.sensor.profiles_dropped ?? null),
           colour: '--quiet',
           dash: [6, 4],
         },
@@ -95,7 +95,7 @@ export function Devices(): JSX.Element {
                 t('lamp_laser'),
                 `${t_or(`level_${String(sensor.laser)}`, String(sensor.laser ?? '–'))} ${String(sensor.laser_reason ?? '')}`,
               ],
-              [t('temperature'), `${number(sensor.temperature_degc as number | null, 1)} °C`],
+              [t('temperature'), `${number(sensor.temperature_degc, 1)} °C`],
               ...flags.map(
                 (name) => [t_or(`figure_${name}`, name), yes_no(sensor[name])] as [string, string],
               ),

@@ -2,11 +2,20 @@
 // The page at the factory's centre: all cells, what calls for a person, history, releases, recordings.
 import type { JSX } from 'preact';
 import { useEffect, useMemo, useState } from 'preact/hooks';
+import type {
+  FleetAlarm,
+  FleetCell,
+  FleetFetch,
+  FleetGroup,
+  FleetOdd,
+  FleetRelease,
+  ScanRow,
+  Trends,
+} from 'openapi';
 import { type Word, amount, number, t, t_or } from '../words';
-import { type ScanRow, call, query } from './api';
-import type { Alarm, Cell, Fetch, Group, Odd, Release, Trends } from './fleet_api';
+import { call, query } from './api';
 import { use_pages } from './pages';
-import { Chart, Failure, Table, Verdict } from './parts';
+import { Chart, Failure, Table, Verdict, shoe_words } from './parts';
 import { act, may, read_state, time_words, use_reading, use_store } from './store';
 
 export const fleet_views = ['cells', 'shoes', 'releases', 'people', 'log'] as const;
@@ -46,7 +55,7 @@ function percent(part: number, whole: number): string {
   return whole > 0 ? `${number((100 * part) / whole, 1)} %` : '–';
 }
 
-function alarm_words(alarm: Alarm): string {
+function alarm_words(alarm: FleetAlarm): string {
   const cell = alarm.cell ?? '';
   const value =
     alarm.code === 'many_refused'
@@ -56,7 +65,7 @@ function alarm_words(alarm: Alarm): string {
 }
 
 function Alarms(): JSX.Element {
-  const { value, error } = use_reading<{ alarms: Alarm[] }>('/fleet/alarms');
+  const { value, error } = use_reading<{ alarms: FleetAlarm[] }>('/fleet/alarms');
   return (
     <section aria-live="polite">
       <h2>{t('alarms')}</h2>
@@ -76,7 +85,7 @@ function Alarms(): JSX.Element {
 }
 
 function Cells(): JSX.Element {
-  const { value, error } = use_reading<{ cells: Cell[] }>('/fleet/cells');
+  const { value, error } = use_reading<{ cells: FleetCell[] }>('/fleet/cells');
   return (
     <>
       <h1>{t('nav_cells')}</h1>
@@ -128,7 +137,7 @@ function Cells(): JSX.Element {
 }
 
 function OddCells(): JSX.Element | null {
-  const { value } = use_reading<{ odd: Odd[] }>('/fleet/odd');
+  const { value } = use_reading<{ odd: FleetOdd[] }>('/fleet/odd');
   if (!value) return null;
   return (
     <section>
@@ -166,7 +175,7 @@ function OddCells(): JSX.Element | null {
 
 /// Each model in each cell: where one cell does worse, it stands beside the others.
 function Groups(): JSX.Element | null {
-  const { value, error } = use_reading<{ groups: Group[] }>('/fleet/groups');
+  const { value, error } = use_reading<{ groups: FleetGroup[] }>('/fleet/groups');
   if (error) return <Failure text={error} />;
   if (!value || value.groups.length === 0) return null;
   return (
@@ -210,8 +219,13 @@ interface FleetShoe extends ScanRow {
 function Shoes({ first_cell }: { first_cell: string }): JSX.Element {
   const [cell, set_cell] = useState(first_cell);
   const [model, set_model] = useState('');
+  const [part, set_part] = useState('');
   const key_of = (shoe: FleetShoe) => `${shoe.cell} ${shoe.id} ${shoe.time}`;
-  const { read, rows, error, load } = use_pages<FleetShoe>('/fleet/scans', { cell, model }, key_of);
+  const { read, rows, error, load } = use_pages<FleetShoe>(
+    '/fleet/scans',
+    { cell, model, part: part && `${part}*` },
+    key_of,
+  );
   const fetch_it = (shoe: FleetShoe) =>
     act(t('done_fetch', { scan: `${shoe.cell}/${shoe.id}` }), () =>
       call('POST', '/fleet/fetches', { cell: shoe.cell, scan: shoe.id }),
@@ -227,6 +241,10 @@ function Shoes({ first_cell }: { first_cell: string }): JSX.Element {
         <label>
           {t('model')}{' '}
           <input value={model} maxLength={64} size={12} onInput={(e) => set_model(e.currentTarget.value)} />
+        </label>
+        <label>
+          {t('part')}{' '}
+          <input value={part} maxLength={64} size={12} onInput={(e) => set_part(e.currentTarget.value)} />
         </label>
       </form>
       <FleetTrends cell={cell} model={model} />
@@ -244,6 +262,7 @@ function Shoes({ first_cell }: { first_cell: string }): JSX.Element {
             t('verdict'),
             t('decision'),
             t('model'),
+            t('shoe'),
             t('reason'),
             t('length'),
             'U95',
@@ -261,6 +280,7 @@ function Shoes({ first_cell }: { first_cell: string }): JSX.Element {
               </td>
               <td>{t_or(`decision_${shoe.decision}`, shoe.decision)}</td>
               <td>{shoe.model ?? '–'}</td>
+              <td>{shoe_words(shoe)}</td>
               <td>
                 {shoe.reason_code
                   ? t_or(`reason_${shoe.reason_code}`, shoe.reason_code)
@@ -339,7 +359,7 @@ function FleetTrends(props: { cell: string; model: string }): JSX.Element | null
 }
 
 function Fetches(): JSX.Element | null {
-  const { value } = use_reading<{ fetches: Fetch[] }>('/fleet/fetches');
+  const { value } = use_reading<{ fetches: FleetFetch[] }>('/fleet/fetches');
   if (!value || value.fetches.length === 0) return null;
   return (
     <section>
@@ -363,7 +383,7 @@ function Fetches(): JSX.Element | null {
   );
 }
 
-function KeepRecording({ one }: { one: Fetch }): JSX.Element {
+function KeepRecording({ one }: { one: FleetFetch }): JSX.Element {
   const scan = `${one.cell}/${one.scan}`;
   const does = t(one.marked ? 'fetch_let_go' : 'fetch_keep');
   const mark = () =>
@@ -383,7 +403,7 @@ function KeepRecording({ one }: { one: Fetch }): JSX.Element {
 }
 
 function Releases(): JSX.Element {
-  const { value, error } = use_reading<{ releases: Release[] }>('/fleet/releases');
+  const { value, error } = use_reading<{ releases: FleetRelease[] }>('/fleet/releases');
   return (
     <>
       <h1>{t('nav_releases')}</h1>

@@ -3,7 +3,7 @@
 import type { JSX } from 'preact';
 import { useEffect, useState } from 'preact/hooks';
 import { number, t } from '../words';
-import { use_store } from './store';
+import { offered, use_store } from './store';
 
 /// Seconds left, 0 when it is too old; null: no scan waits with a path, or nobody saw it come in.
 export function use_fresh(): number | null {
@@ -24,7 +24,7 @@ export function use_fresh(): number | null {
 export function use_sendable(scan: string): boolean {
   const held = use_store().state?.held ?? null;
   const left = use_fresh();
-  return held?.scan === scan && held.sendable !== false && left !== 0;
+  return held?.scan === scan && held.sendable !== false && offered('accept') && left !== 0;
 }
 
 /// A yes is to what this page shows: where the service holds another version by now it is none.

@@ -2,17 +2,19 @@
 // What the cell does now: lamps, picture, profile, cloud, and what waits for a person.
 import type { JSX } from 'preact';
 import { useEffect, useRef, useState } from 'preact/hooks';
+import type { Model, ScanRow } from 'openapi';
 import { type Scale, gradient } from '../viewer/colours';
 import { amount, number, t, t_or } from '../words';
-import { type Model, type ScanRow, call } from './api';
+import { call } from './api';
 import { Fresh, NotSendable, use_sendable, use_shown_version } from './fresh';
 import { watch_live } from './live_data';
 import { LiveScene, type LiveColour } from './live_scene';
-import { AskWhy, Failure, Figures, Verdict } from './parts';
-import { act, holds_control, may, use_reading, use_store } from './store';
+import { AskWhy, Failure, Figures, Verdict, shoe_words } from './parts';
+import { StartForm } from './start_form';
+import { act, holds_control, may, offered, use_reading, use_store } from './store';
 
 const lamp_signs: Record<string, string> = { ok: '●', warning: '▲', fault: '✖', off: '○', unknown: '?' };
-const lamp_order = ['laser', 'camera', 'robot', 'poses', 'clock'];
+const lamp_order = ['laser', 'camera', 'robot', 'poses', 'clock'] as const;
 
 function draw_profile(canvas: HTMLCanvasElement, xz_mm: Float32Array, flags: Uint8Array): void {
   const ratio = window.devicePixelRatio || 1;
@@ -254,7 +256,7 @@ function ChooseModel({ scan, enabled }: { scan: ScanRow; enabled: boolean }): JS
 
 /// Accept, reject, hold, send, rescan: what may be done with a scan now.
 export function Decide({ scan }: { scan: ScanRow }): JSX.Element {
-  use_store();
+  const { state } = use_store();
   const sendable = use_sendable(scan.id);
   const shown = use_shown_version(scan.id);
   const enabled = may('operator') && holds_control();
@@ -282,7 +284,7 @@ export function Decide({ scan }: { scan: ScanRow }): JSX.Element {
         <AskWhy
           label={t('reject')}
           kind="stop-quiet"
-          disabled={!enabled}
+          disabled={!enabled || (state?.held?.scan === scan.id && !offered('reject'))}
           act={(why) => void act(t('done_reject'), () => call('POST', `${at}/reject`, { why }))}
         />
       )}
@@ -296,7 +298,7 @@ export function Decide({ scan }: { scan: ScanRow }): JSX.Element {
       )}
       <button
         type="button"
-        disabled={!enabled}
+        disabled={!enabled || !offered('rescan')}
         onClick={() => void act(t('done_rescan'), () => call('POST', '/commands/rescan', {}))}
       >
         {t('rescan')}
@@ -321,15 +323,8 @@ export function Live(): JSX.Element {
           {t('next')} {state.next}
         </p>
         {state.progress !== null && <progress value={state.progress} max={1} aria-label={t('progress')} />}
+        <StartForm enabled={enabled} />
         <div class="tools">
-          <button
-            type="button"
-            class="go"
-            disabled={!enabled}
-            onClick={() => void act(t('done_start'), () => call('POST', '/commands/start', {}))}
-          >
-            {t('start')}
-          </button>
           {state.process_by && !state.held && (
             <button
               type="button"
@@ -345,7 +340,7 @@ export function Live(): JSX.Element {
         </div>
       </section>
       <ul class="lamps" aria-label={t('lamps')}>
-        {[...lamp_order, ...(state.lamps.centre ? ['centre'] : [])].map((name) => {
+        {[...lamp_order, ...(state.lamps.centre ? (['centre'] as const) : [])].map((name) => {
           const lamp = state.lamps[name] ?? { level: 'unknown', words: '' };
           return (
             <li key={name} class={`lamp ${lamp.level}`}>
@@ -378,6 +373,7 @@ export function Live(): JSX.Element {
               ? t('process_by', { process: state.process ?? '–', who: state.process_by })
               : (state.process ?? t('process_of_model')),
           ],
+          [t('shoe'), shoe_words(state)],
           [t('scan'), state.scan ? <a href={`#/scans/${state.scan}`}>{state.scan}</a> : '–'],
         ]}
       />

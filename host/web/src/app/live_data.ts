@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Binary live data, as openapi.yaml's /live describes them: little endian, byte 0 is the kind.
+import type { LiveSensor } from 'openapi';
 import type { Peaks } from './sensor_picture';
-import type { SensorState } from './sensor_state';
 import { socket_address } from './store';
 
 export type LiveMessage =
@@ -12,7 +12,7 @@ export type LiveMessage =
   | { kind: 'line'; values: Float32Array }
   | { kind: 'arm'; joints_rad: number[]; tip_mm: [number, number, number] }
   | { kind: 'peaks'; peaks: Peaks }
-  | { kind: 'sensor'; state: SensorState };
+  | { kind: 'sensor'; state: LiveSensor };
 
 function read_peaks(view: DataView): Peaks | null {
   const count = view.byteLength >= 17 ? view.getUint16(15, true) : 0;
@@ -34,9 +34,9 @@ function read_peaks(view: DataView): Peaks | null {
   return peaks;
 }
 
-function read_sensor(buffer: ArrayBuffer): SensorState | null {
+function read_sensor(buffer: ArrayBuffer): LiveSensor | null {
   try {
-    return JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 1))) as SensorState;
+    return JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 1))) as LiveSensor;
   } catch {
     return null;
   }

@@ -2,9 +2,10 @@
 // Mending a line: another candidate, a stretch led through points, a stretch cut, back to an older version.
 import type { JSX } from 'preact';
 import { useState } from 'preact/hooks';
+import type { Scan } from 'openapi';
 import type { Hand, ViewData, WeakStretch } from '../viewer/view_data';
 import { amount, number, t, t_or } from '../words';
-import { type Scan, call } from './api';
+import { call } from './api';
 import { Table } from './parts';
 import { act, holds_control, may, time_words, use_store } from './store';
 

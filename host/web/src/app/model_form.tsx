@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The one form that makes a model of a scan: name, size and foot; what else it asks for is its caller's.
+// The one form that makes a model of a scan: name, size, foot and whose sample it is; what else it asks for is its caller's.
 import type { ComponentChildren, JSX } from 'preact';
 import { useState } from 'preact/hooks';
 import { t } from '../words';
@@ -20,7 +20,7 @@ export function ModelForm(props: {
   save?: (name: string) => void;
   children?: ComponentChildren;
 }): JSX.Element {
-  const [form, set_form] = useState({ name: '', size: '', foot: '' });
+  const [form, set_form] = useState({ name: '', size: '', foot: '', of: '' });
   const field = (key: keyof typeof form) => ({
     value: form[key],
     disabled: !props.enabled,
@@ -61,6 +61,22 @@ export function ModelForm(props: {
           <option value="left">{t('left')}</option>
           <option value="right">{t('right')}</option>
         </select>
+      </label>
+      <label>
+        {t('sample_of')}{' '}
+        <input
+          maxLength={64}
+          size={12}
+          pattern={name_pattern}
+          placeholder={t('own_name')}
+          list="models-of"
+          {...field('of')}
+        />
+        <datalist id="models-of">
+          {props.names.map((name) => (
+            <option key={name} value={name} />
+          ))}
+        </datalist>
       </label>
       {exists && props.saved !== form.name && <p class="notice look">{t('replaces', { name: form.name })}</p>}
       <button type="submit" class={props.saved ? '' : 'go'} disabled={!props.enabled}>

@@ -2,8 +2,9 @@
 // The library of samples: from a scan to a model, and out of use again.
 import type { JSX } from 'preact';
 import { useState } from 'preact/hooks';
+import type { Model } from 'openapi';
 import { amount, t } from '../words';
-import { type Model, base, call } from './api';
+import { base, call } from './api';
 import { ImportModel, NewModel } from './new_model';
 import { Failure, InForce, Table } from './parts';
 import { act, may, time_words, use_reading } from './store';
@@ -28,6 +29,7 @@ export function Models(): JSX.Element {
             t('process'),
             t('size'),
             t('foot'),
+            t('sample_of'),
             t('version'),
             t('length'),
             t('recognised'),
@@ -42,6 +44,7 @@ export function Models(): JSX.Element {
               <td>{model.process ?? '–'}</td>
               <td>{model.size ?? '–'}</td>
               <td>{model.foot ? t(model.foot) : '–'}</td>
+              <td>{model.of ?? '–'}</td>
               <td>{model.version ?? '–'}</td>
               <td>{amount(model.length_mm, 'mm', 1)}</td>
               <td>{model.scans ?? '–'}</td>

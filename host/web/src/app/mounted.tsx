@@ -2,8 +2,9 @@
 // What is mounted at the cell: tip and table by touching, the payload as numbers; each a version with who and when.
 import type { JSX } from 'preact';
 import { useState } from 'preact/hooks';
+import type { Mounted, Taught } from 'openapi';
 import { amount, number, t, t_or } from '../words';
-import { type Mounted, type Taught, call } from './api';
+import { call } from './api';
 import { Failure, Figures } from './parts';
 import { act, holds_control, may, time_words, use_reading } from './store';
 

@@ -2,8 +2,9 @@
 // A model: of a scan, or of another cell's file.
 import type { JSX } from 'preact';
 import { useState } from 'preact/hooks';
+import type { Model, ProcessRow, ScanRow } from 'openapi';
 import { t } from '../words';
-import { type Model, type ProcessRow, type ScanRow, query, send_file } from './api';
+import { query, send_file } from './api';
 import { ModelForm, name_pattern } from './model_form';
 import { act, holds_control, time_words, use_reading, use_store } from './store';
 

@@ -3,8 +3,8 @@
 import type { ComponentChildren, JSX } from 'preact';
 import { useEffect, useRef, useState } from 'preact/hooks';
 import uPlot from 'uplot';
+import type { ScanRow } from 'openapi';
 import { locale, t, t_or, time_zone } from '../words';
-import type { ScanRow } from './api';
 
 /// A shape before the word: a verdict is never told by colour alone.
 const verdict_signs: Record<string, string> = {
@@ -23,6 +23,16 @@ export function Verdict({ scan }: { scan: ScanRow }): JSX.Element {
       {t_or(`verdict_${scan.verdict}`, scan.verdict)}
     </span>
   );
+}
+
+/// Whose shoe: part number, foot and size, as far as somebody knows.
+export function shoe_words(shoe: {
+  part?: string | null;
+  foot?: 'left' | 'right' | null;
+  size?: string | null;
+}): string {
+  const words = [shoe.part, shoe.foot && t(shoe.foot), shoe.size].filter(Boolean);
+  return words.length > 0 ? words.join(', ') : '–';
 }
 
 export function Figures({ rows }: { rows: [string, ComponentChildren][] }): JSX.Element {

@@ -2,11 +2,12 @@
 // Accounts, one's own password, and the log of all changes.
 import type { JSX } from 'preact';
 import { useState } from 'preact/hooks';
+import type { LogEntry, Role, User } from 'openapi';
 import { t, t_or } from '../words';
 import { NewNameField, NewPasswordField } from './account_fields';
-import { type LogEntry, type Role, type User, call, query, roles } from './api';
+import { call, query } from './api';
 import { Failure, Table } from './parts';
-import { act, may, time_words, use_reading, use_store } from './store';
+import { act, may, roles, time_words, use_reading, use_store } from './store';
 
 export function People(): JSX.Element {
   const { me } = use_store();

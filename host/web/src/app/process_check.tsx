@@ -2,8 +2,9 @@
 // What the service says of a process before it is saved: its values, and a path along a kept line.
 import type { JSX } from 'preact';
 import { useEffect, useRef, useState } from 'preact/hooks';
+import type { Fault, TriedProcess } from 'openapi';
 import { number, t } from '../words';
-import { type Fault, Refused, type TriedProcess, call } from './api';
+import { Refused, call } from './api';
 import { newest_only } from './newest_only';
 import { words_of } from './store';
 

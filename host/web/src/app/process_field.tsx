@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 // One field of a process, or a group of them: range and unit come from the service's schema, words from words/.
 import type { JSX } from 'preact';
+import type { Fault } from 'openapi';
 import { help_words, t, t_or } from '../words';
-import type { Fault, Schema } from './api';
+import type { Schema } from './json_schema';
 
 export type Value = unknown;
 

@@ -2,8 +2,10 @@
 // Processes as forms: every field, range, unit and help comes from the service's schema.
 import type { JSX } from 'preact';
 import { useEffect, useState } from 'preact/hooks';
+import type { Fault, ProcessRow } from 'openapi';
 import { t } from '../words';
-import { type Fault, type ProcessRow, Refused, type Schema, call } from './api';
+import { Refused, call } from './api';
+import type { Schema } from './json_schema';
 import { Failure, InForce } from './parts';
 import { TriedWords, use_try } from './process_check';
 import { Field, type Value, put } from './process_field';

@@ -2,8 +2,9 @@
 // Working a kept scan out again with another model, method or process, beside its result.
 import type { JSX } from 'preact';
 import { useState } from 'preact/hooks';
+import type { Model, ProcessRow, Rerun, Scan } from 'openapi';
 import { amount, number, t, t_or } from '../words';
-import { type Model, type ProcessRow, type Rerun, type Scan, call, file_address } from './api';
+import { call, file_address } from './api';
 import { Table } from './parts';
 import { act, holds_control, may, time_words, use_reading, use_store } from './store';
 

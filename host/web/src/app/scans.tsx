@@ -2,23 +2,15 @@
 // Every shoe: the table with filters and trends, and one scan with the viewer.
 import type { JSX } from 'preact';
 import { useEffect, useMemo, useRef, useState } from 'preact/hooks';
+import type { File, Scan, ScanRow, Trends } from 'openapi';
 import { type Hand, parse_view_data, type ResultFile, type ViewData } from '../viewer/view_data';
 import { Viewer } from '../viewer/viewer';
 import { amount, csv_style, number, t, t_or } from '../words';
-import {
-  type FileRow,
-  Refused,
-  type Scan,
-  type ScanRow,
-  type Trends,
-  base,
-  file_address,
-  query,
-} from './api';
+import { Refused, base, file_address, query } from './api';
 import { Decide } from './live';
 import { Mend } from './mend';
 import { use_pages } from './pages';
-import { Chart, Failure, Figures, Table, Verdict } from './parts';
+import { Chart, Failure, Figures, Table, Verdict, shoe_words } from './parts';
 import { WorkAgain } from './rerun';
 import { may, time_words, use_reading, use_store } from './store';
 
@@ -29,6 +21,7 @@ interface Filter {
   to: string;
   model: string;
   verdict: string;
+  part: string;
 }
 
 /// A day of the date field, which is the factory's; `to` is before the day behind it.
@@ -40,12 +33,14 @@ function day(text: string, end: boolean): string | undefined {
 }
 
 export function Scans(): JSX.Element {
-  const [filter, set_filter] = useState<Filter>({ from: '', to: '', model: '', verdict: '' });
+  const [filter, set_filter] = useState<Filter>({ from: '', to: '', model: '', verdict: '', part: '' });
   const asked = {
     from: day(filter.from, false),
     to: day(filter.to, true),
     model: filter.model,
     verdict: filter.verdict,
+    // What is typed of it so far finds it already.
+    part: filter.part && `${filter.part}*`,
   };
   const { read, rows, error, load } = use_pages<ScanRow>('/scans', asked, (scan) => scan.id);
   const field = (name: keyof Filter) => ({
@@ -67,6 +62,9 @@ export function Scans(): JSX.Element {
           {t('model')} <input {...field('model')} maxLength={64} size={12} />
         </label>
         <label>
+          {t('part')} <input {...field('part')} maxLength={64} size={12} />
+        </label>
+        <label>
           {t('verdict')}{' '}
           <select {...field('verdict')}>
             <option value="">{t('all')}</option>
@@ -79,7 +77,7 @@ export function Scans(): JSX.Element {
         </label>
         <a
           class="button"
-          href={`${base}/history.csv${query({ from: asked.from, to: asked.to, model: asked.model, ...csv_style() })}`}
+          href={`${base}/history.csv${query({ from: asked.from, to: asked.to, model: asked.model, part: asked.part, ...csv_style() })}`}
           download="history.csv"
         >
           {t('csv')}
@@ -96,6 +94,7 @@ export function Scans(): JSX.Element {
             t('verdict'),
             t('decision'),
             t('model'),
+            t('shoe'),
             t('reason'),
             t('length'),
             'U95',
@@ -115,6 +114,7 @@ export function Scans(): JSX.Element {
               </td>
               <td>{t_or(`decision_${scan.decision}`, scan.decision)}</td>
               <td>{scan.model ?? '–'}</td>
+              <td>{shoe_words(scan)}</td>
               <td>{scan.reason_code ? t_or(`reason_${scan.reason_code}`, scan.reason_code) : '–'}</td>
               <td>{amount(scan.length_mm, 'mm', 1)}</td>
               <td>{amount(scan.u95_mm, 'mm', 2)}</td>
@@ -197,11 +197,13 @@ function TrendView(props: { from?: string; to?: string; model: string }): JSX.El
           )}
         </div>
       )}
+      {value.ended_by && <p>{t('trend_ended', { ...value.ended_by })}</p>}
       {value.reasons.length > 0 && (
-        <Table label={t('reasons')} heads={[t('reason'), t('count')]}>
+        <Table label={t('reasons')} heads={[t('reason'), t('ended_by'), t('count')]}>
           {value.reasons.map((row) => (
             <tr key={row.reason_code}>
               <th scope="row">{t_or(`reason_${row.reason_code}`, row.reason_code)}</th>
+              <td>{row.ended_by ? t_or(`ended_${row.ended_by}`, row.ended_by) : '–'}</td>
               <td>{row.scans}</td>
             </tr>
           ))}
@@ -243,7 +245,7 @@ function use_view(id: string | null, version: number | undefined): { data: ViewD
 
 export function OneScan({ id }: { id: string }): JSX.Element {
   const { value: scan, error } = use_reading<Scan>(`/scans/${id}`);
-  const { value: listed } = use_reading<{ files: FileRow[] }>(`/scans/${id}/files`);
+  const { value: listed } = use_reading<{ files: File[] }>(`/scans/${id}/files`);
   const finished = scan !== null && scan.verdict !== 'working';
   return (
     <>
@@ -266,6 +268,7 @@ export function OneScan({ id }: { id: string }): JSX.Element {
                 `${t_or(`decision_${scan.decision}`, scan.decision)}${scan.decided_by ? `, ${scan.decided_by}` : ''}${scan.why ? `: ${scan.why}` : ''}`,
               ],
               [t('model'), scan.model ?? '–'],
+              [t('shoe'), shoe_words(scan)],
               [t('process'), scan.process ?? '–'],
               [t('length'), amount(scan.length_mm, 'mm', 1)],
               [t('colour_confidence'), number(scan.confidence, 2)],
@@ -310,7 +313,7 @@ const named = [
   'track.csv',
 ];
 
-export function ScanView({ scan, files }: { scan: Scan; files: FileRow[] }): JSX.Element {
+export function ScanView({ scan, files }: { scan: Scan; files: File[] }): JSX.Element {
   const { data, error } = use_view(scan.id, scan.line_version);
   const shown: ResultFile[] = files
     .filter((file) => named.includes(file.path))

@@ -2,6 +2,7 @@
 // The sensor by itself: its picture with what was found in it, meters for focus and exposure, what it runs with.
 import type { JSX } from 'preact';
 import { useEffect, useMemo, useRef, useState } from 'preact/hooks';
+import type { LiveSensor } from 'openapi';
 import { amount, number, t, t_or } from '../words';
 import { watch_live } from './live_data';
 import { Chart, Figures } from './parts';
@@ -16,7 +17,6 @@ import {
   measure,
 } from './sensor_picture';
 import { SensorSettings } from './sensor_settings';
-import type { SensorState } from './sensor_state';
 import { upkeep_rows } from './upkeep';
 
 interface Seen {
@@ -33,7 +33,7 @@ const between_figures_ms = 500;
 const silent_after_ms = 3000;
 
 function use_sensor(canvas: { current: HTMLCanvasElement | null }, hidden: Set<PeakMark>) {
-  const [state, set_state] = useState<SensorState | null>(null);
+  const [state, set_state] = useState<LiveSensor | null>(null);
   const [seen, set_seen] = useState<Seen | null>(null);
   const [silent, set_silent] = useState(false);
   const hide = useRef(hidden);

@@ -2,23 +2,13 @@
 // What the sensor runs with: each setting with range and meaning, changed together, read back.
 import type { JSX } from 'preact';
 import { useState } from 'preact/hooks';
+import type { Setting } from 'openapi';
 import { locale, t, t_or } from '../words';
 import { Refused, call } from './api';
 import { Table } from './parts';
 import { act, holds_control, may, use_store, words_of } from './store';
 
-type Value = number | boolean | string | null;
-
-export interface Setting {
-  key: string;
-  value: string;
-  now: Value;
-  kind: 'number' | 'whole' | 'on_off' | 'word';
-  unit: string;
-  what: string;
-  range?: [number, number];
-  words?: string[];
-}
+type Value = Setting['now'];
 
 /// What the makers of profile sensors call it: Gocator; SICK Ranger3 and Ruler3; AT's C5 and C6.
 const other_names: Record<string, string> = {

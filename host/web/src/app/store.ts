@@ -1,20 +1,9 @@
 // SPDX-License-Identifier: MIT
 // What the page knows of the cell; events keep it fresh, and the link comes back by itself.
 import { useEffect, useState } from 'preact/hooks';
+import type { FleetState, Me, Role, ScanRow, Sensor, Session, State } from 'openapi';
 import { locale, set_zone, t, t_or, time_zone } from '../words';
-import {
-  type Me,
-  Refused,
-  type Role,
-  type ScanRow,
-  type Sensor,
-  type Session,
-  type State,
-  base,
-  call,
-  roles,
-} from './api';
-import type { FleetState } from './fleet_api';
+import { Refused, base, call } from './api';
 
 export interface Told {
   id: number;
@@ -70,12 +59,19 @@ export function use_store(): Store {
   return store;
 }
 
+export const roles: Role[] = ['viewer', 'operator', 'engineer', 'administrator'];
+
 export function may(role: Role): boolean {
   return store.me !== null && roles.indexOf(store.me.role) >= roles.indexOf(role);
 }
 
 export function holds_control(): boolean {
   return store.me !== null && store.state?.control.holder === store.me.name;
+}
+
+/// The cell takes this command now; a service that does not say so takes or refuses it itself.
+export function offered(command: NonNullable<State['offers']>[number]): boolean {
+  return store.state?.offers?.includes(command) ?? true;
 }
 
 let next_id = 1;

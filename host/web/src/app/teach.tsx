@@ -2,8 +2,9 @@
 // From one scan to a running model: scan, look, process, dry run, first run in the air, save, go.
 import type { JSX } from 'preact';
 import { useEffect, useState } from 'preact/hooks';
+import type { File, Scan, ScanRow } from 'openapi';
 import { amount, t, t_or } from '../words';
-import { type FileRow, type Scan, type ScanRow, call } from './api';
+import { call } from './api';
 import { Fresh, use_fresh, use_sendable } from './fresh';
 import { Failure, Figures, Step, Verdict } from './parts';
 import { ScanView } from './scans';
@@ -70,7 +71,7 @@ function Taught({ id, enabled }: OfTaught): JSX.Element {
   const fresh = (use_fresh() ?? 0) > 0;
   const sendable = use_sendable(id);
   const { value: scan, error } = use_reading<Scan>(`/scans/${id}`);
-  const { value: listed } = use_reading<{ files: FileRow[] }>(`/scans/${id}/files`);
+  const { value: listed } = use_reading<{ files: File[] }>(`/scans/${id}/files`);
   const [model, set_model] = useState('');
   const [closer, set_closer] = useState(false);
   if (!scan) return <Failure text={error} />;

@@ -2,22 +2,15 @@
 // The steps of teaching behind the scan: process with its dry run, run in the air, model, go.
 import type { JSX } from 'preact';
 import { useEffect, useRef, useState } from 'preact/hooks';
+import type { File, Model, ProcessRow, Scan, TriedProcess } from 'openapi';
 import { number, t, t_or } from '../words';
-import {
-  type FileRow,
-  type Model,
-  type ProcessRow,
-  type Scan,
-  type TriedProcess,
-  call,
-  file_address,
-} from './api';
+import { call, file_address } from './api';
 import { NotSendable, use_shown_version } from './fresh';
 import { ModelForm } from './model_form';
 import { type NewestOnly, newest_only } from './newest_only';
 import { Step, Verdict } from './parts';
 import { TriedWords, type Tried } from './process_check';
-import { act, use_reading, words_of } from './store';
+import { act, offered, use_reading, words_of } from './store';
 
 interface OfScan {
   scan: Scan;
@@ -55,7 +48,7 @@ function use_fit(scan: string, name: string): Tried | null {
 }
 
 export function ProcessStep(
-  props: OfScan & { taken: string; chosen: boolean; dry_run: FileRow | null },
+  props: OfScan & { taken: string; chosen: boolean; dry_run: File | null },
 ): JSX.Element {
   const { scan, taken } = props;
   const { value } = use_reading<{ processes: ProcessRow[] }>('/processes');
@@ -85,7 +78,12 @@ export function ProcessStep(
             ))}
           </select>
         </label>
-        <button type="button" class="go" disabled={!props.enabled || name === ''} onClick={() => void take()}>
+        <button
+          type="button"
+          class="go"
+          disabled={!props.enabled || !offered('process') || name === ''}
+          onClick={() => void take()}
+        >
           {t('teach_take_process')}
         </button>
         <a href="#/processes">{t('teach_edit_process')}</a>
@@ -118,7 +116,7 @@ export function AirStep({ scan, enabled, ready }: OfScan & { ready: boolean }): 
       <button
         type="button"
         class={air?.state === 'followed' ? '' : 'go'}
-        disabled={!enabled || !ready}
+        disabled={!enabled || !ready || !offered('air')}
         onClick={() => void act(t('done_air'), () => call('POST', `/scans/${scan.id}/air`))}
       >
         {t('teach_air_go')}
@@ -174,7 +172,7 @@ export function GoStep(props: OfScan & { model: string; fresh: boolean }): JSX.E
         <button
           type="button"
           class={props.fresh ? '' : 'go'}
-          disabled={!enabled}
+          disabled={!enabled || !offered('rescan')}
           onClick={() => void act(t('done_rescan'), () => call('POST', '/commands/rescan', {}))}
         >
           {t('teach_go_again')}

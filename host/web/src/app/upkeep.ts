@@ -1,17 +1,7 @@
 // SPDX-License-Identifier: MIT
 // What a sensor's unit has been through since it was first started, as rows of figures.
+import type { Upkeep } from 'openapi';
 import { amount, number, t } from '../words';
-
-export interface Upkeep {
-  starts: number;
-  boots: number;
-  run_s: number;
-  laser_s: number;
-  lightings: number;
-  frames: number;
-  coldest_degc: number | null;
-  hottest_degc: number | null;
-}
 
 const hour_s = 3600;
 

@@ -2,48 +2,47 @@
 #include "host/apps/biteline-web/routes.hpp"
 
 #include <CppUTest/TestHarness.h>
-#include <yaml-cpp/yaml.h>
 
-#include <algorithm>
-#include <cctype>
 #include <set>
+
+#include "host/doors/control/messages.hpp"
 
 namespace biteline::web {
 
 TEST_GROUP(Routes){};
 
-TEST(Routes, AreThoseOfTheDescription) {
-  const YAML::Node description = YAML::LoadFile(BITELINE_OPENAPI);
-  std::set<std::string> described;
-  for (const auto& path : description["paths"]) {
-    const auto name = path.first.as<std::string>();
-    const std::string root = path.second["servers"] ? "" : "/api/v1";
-    for (const auto& operation : path.second) {
-      auto method = operation.first.as<std::string>();
-      if (method == "parameters" || method == "servers") continue;
-      std::ranges::transform(method, method.begin(),
-                             [](unsigned char letter) { return std::toupper(letter); });
-      described.insert(method + " " + root + name);
-    }
-  }
-  std::set<std::string> served;
-  for (const Route& route : routes()) {
-    // Its clients speak Foxglove's own protocol there; no path of this API.
-    if (route.handling == Handling::Foxglove) continue;
-    served.insert(std::string{route.method} + " " + std::string{route.pattern});
-  }
-  for (const std::string& name : described)
-    CHECK_TEXT(served.contains(name), ("not served: " + name).c_str());
-  for (const std::string& name : served)
-    CHECK_TEXT(described.contains(name), ("not described: " + name).c_str());
+TEST(Routes, EachHandlingIsOfSomeOperation) {
+  std::set<Handling> asked_for;
+  for (const Route& route : routes()) asked_for.insert(route.handling);
+  LONGS_EQUAL(static_cast<int>(Handling::Metrics) + 1, asked_for.size());
+}
+
+TEST(Routes, SayWhoMayAsTheDocumentDoes) {
+  const Route& accept = *find_route("POST", "/api/v1/scans/scan-0003/accept").route;
+  STRCMP_EQUAL("accept_scan", std::string{accept.operation}.c_str());
+  CHECK(accept.handling == Handling::Forward && accept.role == accounts::Role::Operator);
+  CHECK(accept.control && !accept.local && accept.changes && !accept.is_long);
+  CHECK(find_route("DELETE", "/api/v1/models/derby").route->is_long);
+  CHECK(!find_route("POST", "/api/v1/processes/check").route->changes);
+  CHECK(!find_route("POST", "/api/v1/sessions").route->role);
+}
+
+/// What the cell's own machine may without a session: a stop must not wait for a login there.
+TEST(Routes, StopsAndTheFirstAccountAreLocal) {
+  std::set<std::string_view> local;
+  for (const Route& route : routes())
+    if (route.local) local.insert(route.pattern);
+  const std::set<std::string_view> expected{control::k_stop_path, control::k_laser_off_path, "/api/v1/users"};
+  CHECK(expected == local);
 }
 
 TEST(Routes, NamesInThePathAreRead) {
   const RouteMatch match = find_route("GET", "/api/v1/scans/scan-0003/files/stages/6_sequence.png");
   CHECK(match.route != nullptr);
   CHECK(match.route->handling == Handling::File);
-  STRCMP_EQUAL("scan-0003", match.named.at("id").c_str());
-  STRCMP_EQUAL("stages/6_sequence.png", match.named.at("path").c_str());
+  LONGS_EQUAL(2, match.names.size());
+  STRCMP_EQUAL("scan-0003", match.names[0].c_str());
+  STRCMP_EQUAL("stages/6_sequence.png", match.names[1].c_str());
 }
 
 TEST(Routes, TheCloserPatternWins) {

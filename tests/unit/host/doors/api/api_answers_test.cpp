@@ -93,6 +93,43 @@ TEST(ApiAnswers, AModelTakesItsScansOwnProcessAndAnotherOneOnlyWhenThatIsSaid) {
   LONGS_EQUAL(409, ask("POST", "/models", {{"name", "gone"}, {"scan", "scan-0001"}}).status);
 }
 
+TEST(ApiAnswers, AStartSaysWhoseShoeComesNext) {
+  log_in("eng");
+  LONGS_EQUAL(200, ask("POST", "/control", {{"action", "take"}}).status);
+  const Json whose{{"model", "boot"}, {"foot", "left"}, {"size", "EU 42"}, {"part", " A-17 "}};
+  LONGS_EQUAL(202, ask("POST", "/commands/start", whose).status);
+  STRCMP_EQUAL("left", cell.job.foot.c_str());
+  STRCMP_EQUAL("EU 42", cell.job.size.c_str());
+  STRCMP_EQUAL("A-17", cell.job.part.c_str());
+  const Json entry = ask("GET", "/log").body["entries"][0];
+  STRCMP_EQUAL("boot, left, EU 42, A-17", entry["after"].get<std::string>().c_str());
+  for (const auto& [field, value] :
+       {std::pair{"foot", Json("links")}, std::pair{"foot", Json(1)},
+        std::pair{"size", Json(std::string(21, 'x'))}, std::pair{"part", Json(std::string(65, 'x'))},
+        std::pair{"part", Json("two\nlines")}}) {
+    const control::Answer answer = ask("POST", "/commands/start", {{field, value}});
+    LONGS_EQUAL_TEXT(400, answer.status, field);
+    STRCMP_EQUAL(field, answer.body["error"]["faults"][0]["field"].get<std::string>().c_str());
+  }
+  // Nothing of before is left.
+  LONGS_EQUAL(202, ask("POST", "/commands/start").status);
+  CHECK(cell.job.foot.empty() && cell.job.size.empty() && cell.job.part.empty());
+}
+
+TEST(ApiAnswers, AModelMayBeASampleOfAnother) {
+  put_sample("scan-0001");
+  log_in("eng");
+  const Json sample{
+      {"name", "boot-41"}, {"scan", "scan-0001"}, {"size", "EU 41"}, {"foot", "left"}, {"of", "boot"}};
+  const control::Answer answer = ask("POST", "/models", sample);
+  LONGS_EQUAL(201, answer.status);
+  STRCMP_EQUAL("boot", answer.body["of"].get<std::string>().c_str());
+  STRCMP_EQUAL("boot", ask("GET", "/models/boot-41").body["of"].get<std::string>().c_str());
+  LONGS_EQUAL(400, ask("POST", "/models", {{"name", "x"}, {"scan", "scan-0001"}, {"of", "../x"}}).status);
+  LONGS_EQUAL(201, ask("POST", "/models", {{"name", "alone"}, {"scan", "scan-0001"}}).status);
+  CHECK(ask("GET", "/models/alone").body["of"].is_null());
+}
+
 TEST(ApiAnswers, AStartThatSaysNothingOfTheProcessKeepsWhatAPersonChose) {
   log_in("eng");
   LONGS_EQUAL(200, ask("POST", "/control", {{"action", "take"}}).status);

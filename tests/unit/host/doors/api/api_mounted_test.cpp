@@ -148,6 +148,10 @@ TEST(ApiMounted, AnArmThatMovesOrIsAwayIsToldAndNoTouch) {
   take_control_as("eng");
   cell.next = fail(Errc::WrongState, "the arm still moves; touch when it stands");
   LONGS_EQUAL(409, touch("tip", {400, 0, 50}, 0).status);
+  cell.next = fail(Errc::ConnectFailed, "127.0.0.1:30004");
+  const Answer away = touch("tip", {400, 0, 50}, 0);
+  LONGS_EQUAL(409, away.status);
+  STRCMP_EQUAL("wrong_state", away.body["error"]["code"].get<std::string>().c_str());
   CHECK(ask("GET", "/mounted").body["lesson"].is_null());
   cell.next = {};
   LONGS_EQUAL(200, touch("tip", {400, 0, 50}, 0).status);

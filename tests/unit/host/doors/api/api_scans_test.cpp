@@ -36,6 +36,35 @@ TEST(ApiScans, ScansAreListedAndDecidedAbout) {
   STRCMP_EQUAL("wrong_state", code_of(late).c_str());
 }
 
+TEST(ApiScans, AShoeIsFoundByItsPartNumberOrTheBeginningOfIt) {
+  for (const auto& [name, part] :
+       {std::pair{"scan-0001", "A-17"}, std::pair{"scan-0002", "A-171"}, std::pair{"scan-0003", ""}}) {
+    memory::Scan scan;
+    scan.name = name;
+    scan.time = 1'000'000;
+    scan.verdict = "ok";
+    scan.part = part;
+    scan.foot = "left";
+    scan.size = "EU 42";
+    SUCCEEDS(memory->put_scan(scan, {}));
+  }
+  log_in("vic");
+  const auto found = [this](const char* part) {
+    return ask("GET", "/scans", {}, {{"part", part}}).body["scans"];
+  };
+  const Json exact = found("A-17");
+  LONGS_EQUAL(1, exact.size());
+  STRCMP_EQUAL("A-17", exact[0]["part"].get<std::string>().c_str());
+  STRCMP_EQUAL("left", exact[0]["foot"].get<std::string>().c_str());
+  STRCMP_EQUAL("EU 42", exact[0]["size"].get<std::string>().c_str());
+  LONGS_EQUAL(2, found("A-17*").size());
+  LONGS_EQUAL(0, found("-17").size());
+  LONGS_EQUAL(3, found("").size());
+  CHECK(ask("GET", "/scans/scan-0003").body["part"].is_null());
+  STRCMP_CONTAINS("A-171",
+                  ask("GET", "/history.csv", {}, {{"part", "A-171"}}).body.get<std::string>().c_str());
+}
+
 TEST(ApiScans, OneScanComesWithItsReportAndWeakStretches) {
   put("scan-0001", "amber");
   folder.write(

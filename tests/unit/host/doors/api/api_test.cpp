@@ -199,7 +199,7 @@ TEST(Api, LogTellsChangesNewestFirstWithACursor) {
   CHECK(second.body["entries"][0]["seq"].get<int>() < first.body["entries"][1]["seq"].get<int>());
 }
 
-TEST(Api, LinesControlHasNoLoginAndOnlyItsThreeWords) {
+TEST(Api, LinesControlHasNoLoginAndOnlyItsOwnWords) {
   control::Request request;
   const auto say = [&](const char* door, const char* method, const std::string& path, Json body = {}) {
     request.door = door;
@@ -215,6 +215,8 @@ TEST(Api, LinesControlHasNoLoginAndOnlyItsThreeWords) {
   for (const char* door : {"modbus", "text"}) {
     LONGS_EQUAL(0, say(door, "GET", "/line").body["job"].get<int>());
     LONGS_EQUAL(0, refusal(say(door, "PUT", "/line/job", {{"job", 1}})));
+    LONGS_EQUAL(0, refusal(say(door, "PUT", "/line/part", {{"part", " A-17 "}})));
+    STRCMP_EQUAL("A-17", say(door, "GET", "/line").body["next_part"].get<std::string>().c_str());
     LONGS_EQUAL(0, refusal(say(door, "POST", "/line/start", {{"request", 7}})));
     STRCMP_EQUAL("line start 7", cell.did.back().c_str());
     // Nothing else is open to a door without login: no approval, no laser, no reading of results.
@@ -245,11 +247,16 @@ TEST(Api, LinesControlIsToldWhyNot) {
                            Json{{"job", 65536}}, Json{{"job", 1}, {"x", 1}}, Json(3)})
     CHECK(refusal("PUT", "/line/job", body) == Refusal::BadRequest);
   CHECK(refusal("POST", "/line/start", {{"job", 1}}) == Refusal::BadRequest);
+  for (const Json& body :
+       {Json{}, Json{{"part", 17}}, Json{{"part", "a\nb"}}, Json{{"part", std::string(65, 'x')}},
+        Json{{"part", "A-17"}, {"job", 1}}, Json("A-17")})
+    CHECK(refusal("PUT", "/line/part", body) == Refusal::BadRequest);
   // Of no such number; of a process and of a model that are not there.
   for (const int number : {9, 2, 3})
     CHECK(refusal("PUT", "/line/job", {{"job", number}}) == Refusal::UnknownJob);
   SUCCEEDS(accounts.take_control("ana", "web"));
   CHECK(refusal("PUT", "/line/job", {{"job", 1}}) == Refusal::ControlHeld);
+  CHECK(refusal("PUT", "/line/part", {{"part", "A-17"}}) == Refusal::ControlHeld);
   CHECK(refusal("POST", "/line/start", {{"request", 1}}) == Refusal::None);
   STRCMP_EQUAL("line start 1 held", cell.did.back().c_str());
   cell.jobs = false;

@@ -67,6 +67,7 @@ struct FakeCell final : Cell {
   line_control::LineState line_state() override {
     line_control::LineState state;
     state.job = chosen;
+    state.next_part = next_part;
     return state;
   }
   std::optional<Job> job_of(int number) override {
@@ -83,8 +84,14 @@ struct FakeCell final : Cell {
     did.push_back("line start " + std::to_string(request) + (control_held ? " held" : ""));
     return {.refusal = line_control::Refusal::None, .fresh = true};
   }
+  line_control::Refusal choose_part(const std::string& part, bool control_held) override {
+    if (control_held) return line_control::Refusal::ControlHeld;
+    next_part = part;
+    return line_control::Refusal::None;
+  }
   bool jobs{true};
   int chosen{0};
+  std::string next_part{};
 
   Result<void> choose_model(const std::string& scan, const std::string& model, const Speaker& who) override {
     stops = who.stops;

@@ -299,6 +299,24 @@ TEST(ControlEnd, GarbageIsCountedAndTheNextDoorServed) {
   LONGS_EQUAL(200, (*client)->ask(request_to("/a")).status);
 }
 
+TEST(ControlEnd, WhoAsksWhatIsNoRequestIsToldAtOnce) {
+  Echo echo;
+  const auto server = open_server(echo);
+  const auto client = Client::open({.endpoint = endpoint_of(*server), .keys = {}, .patience = k_patience});
+  SUCCEEDS(client);
+  Request deep = request_to("/a");
+  for (int level = 0; level < k_most_depth; ++level) deep.body = {{"a", std::move(deep.body)}};
+  Request long_query = request_to("/a");
+  long_query.query["bucket"] = std::string(5000, 'x');
+  const Request long_path = request_to("/" + std::string(5000, 'x'));
+  for (const Request& request : {deep, long_query, long_path}) {
+    const Answer answer = (*client)->ask(request);
+    LONGS_EQUAL(400, answer.status);
+    LONGS_EQUAL(5, answer.id);
+    STRCMP_EQUAL("bad_request", answer.body["error"]["code"].get<std::string>().c_str());
+  }
+}
+
 TEST(ControlEnd, FloodIsAnsweredBusyAndNothingIsLost) {
   Echo echo;
   const auto server = open_server(echo);

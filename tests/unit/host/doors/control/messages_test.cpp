@@ -90,6 +90,15 @@ TEST(ControlMessages, DepthAndLengthAreBounded) {
   FAILS_NAMING(Errc::ProtocolError, "at most", read_from_door(to_text(request)));
 }
 
+TEST(ControlMessages, TheIdOfWhatIsRefusedIsReadFromItsBeginAlone) {
+  Request request;
+  request.id = 18446744073709551615U;
+  CHECK(request.id == id_of_refused(to_text(request)));
+  for (const char* text : {"", "{", R"({"id":)", R"({"id":7)", R"({"id":-7,)", R"({"id":"7",)",
+                           R"({"id":7.5,)", R"({"hello":"web"})", R"({"id":18446744073709551616,)"})
+    CHECK_TEXT(id_of_refused(text) == 0, text);
+}
+
 TEST(ControlMessages, GarbledMessagesAreRefusedOrRead) {
   std::mt19937_64 random{42};
   const std::string whole = to_text(whole_request());
