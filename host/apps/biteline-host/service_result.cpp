@@ -206,6 +206,9 @@ Result<LineStep> Service::use_library(Scan& scan, const intake::ScanOutcome& out
                                                           : take_named(library, outcome.cloud, order));
   say_step("%s", model.words.c_str());
   if (!model.sure()) {
+    // Perhaps it is not the shoe that was ordered: no stretch is laid by the order's foot alone.
+    chosen.foot.clear();
+    chosen.size.clear();
     cockpit_->show_model(model.model, model.probability, {chosen.process_name, chosen.process_by});
     // Without a line and without a model that is near, nobody could go on.
     const bool somebody_may =
