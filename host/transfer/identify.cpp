@@ -121,8 +121,11 @@ std::string against_order(const Match& match, const ModelOrder& order) {
   if (!order.foot.empty() && !match.foot.empty() && order.foot != match.foot)
     return "a " + order.foot + " shoe was ordered, and this is " + words_of(match);
   const std::optional<SizeLabel> ordered = size_label(order.size), seen = size_label(match.size);
-  const bool other = ordered && seen && (ordered->system != seen->system || ordered->number != seen->number);
-  const bool unseen = ordered && match.align.grade && !seen;
+  // A size that is no label is compared as it is written.
+  const bool alike = ordered && seen ? ordered->system == seen->system && ordered->number == seen->number
+                                     : order.size == match.size;
+  const bool other = !order.size.empty() && !match.size.empty() && !alike;
+  const bool unseen = !order.size.empty() && match.align.grade && match.size.empty();
   if (other || unseen) {
     return order.size + " was ordered, and this is " +
            (unseen ? words_of(match) + " between two sizes" : words_of(match));

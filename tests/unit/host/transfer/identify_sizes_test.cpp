@@ -163,6 +163,7 @@ TEST(IdentifySizes, AnOrderThatTheShapeIsNotIsToldAndNothingIsNamed) {
   for (const auto& [order, words] :
        {Case{{.model = "runner", .foot = "left", .size = "EU 39"}, "a left shoe was ordered"},
         Case{{.model = "runner", .foot = "right", .size = "EU 40"}, "EU 40 was ordered"},
+        Case{{.model = "runner", .foot = "right", .size = "EU 39 1/2"}, "EU 39 1/2 was ordered"},
         Case{{.model = "court"}, "court was ordered, and the upper is none; it looks like runner"}}) {
     const Result<Identification> sut = identify(library, upper, order);
     SUCCEEDS(sut);
