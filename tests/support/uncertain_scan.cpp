@@ -24,6 +24,7 @@ using uncertainty::Parameters;
 
 // The stripe's middle on the shoe's wall: the picture shows 60 mm up and down from here.
 constexpr double k_aim_z_mm = 50;
+constexpr double k_repeat_mm = 0.014, k_repeat_rad = 3e-5;
 
 Parameters gaussians(sim::Random& random) {
   Parameters x;
@@ -124,6 +125,8 @@ UncertainScan uncertain_scan(const UncertainScanSettings& settings) {
   sim::ShoeParameters drawn = sim::draw_shoe(settings.shoe_class, settings.seed);
   if (settings.toe_guard)
     drawn = sim::draw_designed_shoe({.shoe_class = settings.shoe_class, .toe_guard = true}, settings.seed);
+  drawn.last_difference_mm = settings.last_difference_mm;
+  drawn.last_seed = settings.again.value_or(0);
   const sim::MadeShoe shoe{std::move(drawn)};
   const sim::MadeHead head = sim::draw_head(head_seed);
   const SE3 T_base_shoe = draw_place(random);
@@ -139,7 +142,9 @@ UncertainScan uncertain_scan(const UncertainScanSettings& settings) {
   const double late_s = error[uncertainty::k_clock_at];
   const double noise_px = random.uniform({0.08, 0.25});
 
-  sim::ScanSettings scan{.profile_step_mm = settings.profile_step_mm, .noise_mm = 0, .seed = settings.seed};
+  sim::ScanSettings scan{.profile_step_mm = settings.profile_step_mm,
+                         .noise_mm = 0,
+                         .seed = settings.again.value_or(settings.seed)};
   const sim::ScannedCloud exact = sim::scan_quickly(shoe, scan, SE3::Identity());
   const int profiles = exact.profile.empty() ? 0 : static_cast<int>(exact.profile.back()) + 1;
   const double step_mm = shoe.perimeter_mm() / std::max(profiles, 1);
@@ -157,6 +162,10 @@ UncertainScan uncertain_scan(const UncertainScanSettings& settings) {
     const double on_mm = std::fmod(way_mm - missing_from_mm + shoe.perimeter_mm(), shoe.perimeter_mm());
     return on_mm < settings.missing_mm;
   };
+  sim::Random anew{settings.again.value_or(0)};
+  const std::array<Wave, 6> not_repeated{Wave{anew}, Wave{anew}, Wave{anew},
+                                         Wave{anew}, Wave{anew}, Wave{anew}};
+  if (settings.again) random = anew;
   std::size_t point = 0;
   for (int k = 0; k < profiles; ++k) {
     const double way_mm = k * step_mm;
@@ -167,6 +176,8 @@ UncertainScan uncertain_scan(const UncertainScanSettings& settings) {
       const double sigma = i < 3 ? stated.pose_sigma_mm : stated.pose_sigma_rad;
       off[i] = sigma * std::sqrt(0.9) * waves[static_cast<std::size_t>(i)].at(way_mm) +
                sigma * std::sqrt(0.1) * random.gaussian();
+      if (settings.again)
+        off[i] += (i < 3 ? k_repeat_mm : k_repeat_rad) * not_repeated[static_cast<std::size_t>(i)].at(way_mm);
     }
     const SE3 told = true_pose(way_mm + late_s * settings.speed_mm_s) * geometry::exp_se3(off);
     made.poses.push_back({.T_base_flange = told, .time_s = way_mm / settings.speed_mm_s});

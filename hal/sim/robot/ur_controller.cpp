@@ -163,6 +163,7 @@ void UrController::cycle(std::uint64_t number) {
   const Nanoseconds stamp = instant.time_since_epoch() + config_.clock_offset;
   if (protective_stop_) arm_.stop(instant);
   values_.set_protective_stop(protective_stop_);
+  values_.set_digital_inputs(digital_inputs_);
   values_.advance(state, real, static_cast<double>(stamp.count()) * 1e-9);
   const std::uint64_t cycles_per_state = static_cast<std::uint64_t>(std::max(1, config_.rate_hz / 10));
   if (std::exchange(states_sent_, number / cycles_per_state) != number / cycles_per_state) {

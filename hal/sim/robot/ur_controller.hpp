@@ -62,6 +62,15 @@ class UrController {
   void set_speed_slider(double ratio) { slider_wish_ = ratio; }
   /// What a limit of the controller's own leaves of the speed, 0 to 1; told as speed_scaling.
   void set_speed_scaling(double ratio) { speed_scaling_ = ratio; }
+  /// What is wired to a standard digital input, 0 to 7.
+  void set_digital_input(int number, bool on) {
+    const std::uint64_t bit = std::uint64_t{1} << static_cast<unsigned>(number);
+    if (on) {
+      digital_inputs_ |= bit;
+    } else {
+      digital_inputs_ &= ~bit;
+    }
+  }
   /// As a real one does when it goes to local control: it ends each connection to the script port.
   void close_script_connections() { close_scripts_ = true; }
   [[nodiscard]] std::uint64_t scripts_run() const { return scripts_run_.load(); }
@@ -112,6 +121,7 @@ class UrController {
   std::atomic<bool> remote_control_{true}, protective_stop_{false}, close_scripts_{false};
   std::atomic<double> slider_wish_{-1};  ///< negative: nobody has touched it
   std::atomic<double> speed_scaling_{1};
+  std::atomic<std::uint64_t> digital_inputs_{0};
   double pace_ratio_{1};  ///< the arm's, on its way to slider times scaling
   std::vector<std::unique_ptr<RtdeClient>> rtde_clients_;
   std::vector<std::unique_ptr<ScriptClient>> script_clients_;

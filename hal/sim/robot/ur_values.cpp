@@ -130,6 +130,7 @@ rtde::Value UrValues::value_of(std::string_view name) const {
     const Vec3 centre_m = k_m_per_mm * state_.payload.centre_mm;
     return rtde::Vector3{centre_m.x(), centre_m.y(), centre_m.z()};
   }
+  if (name == "actual_digital_input_bits") return digital_inputs_;
   if (name == "actual_digital_output_bits") return std::uint64_t{state_.outputs};
   const auto type = rtde::output_type(name);
   return rtde::zero_of(type.value_or(rtde::FieldType::Double));

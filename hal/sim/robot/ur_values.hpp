@@ -29,6 +29,8 @@ class UrValues final : public rtde::ValueSource, public RtdeInputs {
   /// Held by the safety system, as after a collision.
   void set_protective_stop(bool on) { protective_stop_ = on; }
   [[nodiscard]] double speed_slider_ratio() const { return speed_slider_ratio_; }
+  /// Standard inputs 0 to 7, as bits.
+  void set_digital_inputs(std::uint64_t bits) { digital_inputs_ = bits; }
   /// By hand, at the pendant.
   void set_speed_slider(double ratio) { speed_slider_ratio_ = ratio; }
   /// What the controller's own limits leave of the programmed speed; beside the slider.
@@ -47,6 +49,7 @@ class UrValues final : public rtde::ValueSource, public RtdeInputs {
   double timestamp_s_{0};
   double speed_slider_ratio_{1}, speed_scaling_{1};
   bool protective_stop_{false};
+  std::uint64_t digital_inputs_{0};
   std::map<std::string, rtde::Value, std::less<>> inputs_;
   std::map<std::string, SensorClock::time_point> written_;
   std::optional<JointVector> q_rad_;

@@ -84,6 +84,12 @@ ParsedOptions parse_options(int argc, char** argv) {
       ->check(options::whole_number(-1, 47))
       ->capture_default_str();
   app.add_option(
+         "--clamp-input", robot.clamp_input,
+         "The controller's standard digital input, 0 to 7, that is true while the clamp holds the shoe: a "
+         "scan stays fresh as long as it has been so without a break")
+      ->check(options::whole_number(0, 7))
+      ->needs(arm);
+  app.add_option(
          "--confirm", robot.confirm,
          "A scan's folder, e.g. scan-0007: its path may be sent though the scan was recovered or is of "
          "a recording; you vouch that the shoe still stands as it was scanned")

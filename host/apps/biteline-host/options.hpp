@@ -25,7 +25,8 @@ struct RobotOptions {
   double table_z_mm{0};
   std::optional<double> fixture_z_mm;  ///< its top, where the shoe stands on one
   double fixture_beyond_mm{path::Fixture{}.beyond_mm};
-  int hold_register{47};  ///< of the controller's input_int_register_N; below 0: none is held
+  int hold_register{47};           ///< of the controller's input_int_register_N; below 0: none is held
+  std::optional<int> clamp_input;  ///< standard digital input: true while the clamp holds the shoe
   bool send{false};
   std::string confirm;  ///< the one scan that a person lets be sent though nobody saw it come in
 };

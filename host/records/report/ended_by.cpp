@@ -12,6 +12,8 @@ std::span<const EndedByRow> ended_by_table() {
       EndedByRow{"stopped_by_a_person", Person},
       EndedByRow{"local_control", Person},
       EndedByRow{"not_approved", Person},
+      EndedByRow{"shoe_moved", Person},
+      EndedByRow{"other_shoe", Person},
       // Of the scan itself.
       EndedByRow{"scan_not_complete", Machine},
       EndedByRow{"scan_set_aside", Machine},

@@ -9,7 +9,7 @@ namespace biteline::report {
 
 enum class EndedBy {
   Nobody,   ///< it came to its end, warned of or not
-  Person,   ///< somebody stopped it, took the arm, or said no
+  Person,   ///< somebody stopped it, took the arm, took or moved the shoe, or said no
   Machine,  ///< sensor, arm, network, disk or this machine: another scan of the same shoe may be good
   Shoe,     ///< what was seen of it gives no line, or no path along it
 };

@@ -25,6 +25,19 @@ struct LostInARow {
   std::uint64_t edges{0};  ///< exposures that the time between two profiles has room for
 };
 
+/// What shows that the shoe still stands as it was scanned.
+struct Unmoved {
+  enum class By {
+    Look,   ///< the sensor has looked again
+    Clamp,  ///< the clamp that holds it says that it has not let go
+  };
+  By by{By::Look};
+  double age_s{0};  ///< of a look: since its end; of the clamp: for how long it has held without a break
+  double shift_mm{0}, u95_mm{0};  ///< of a look
+  double limit_mm{0};             ///< of the two together
+  bool same_shoe{true};           ///< of a look
+};
+
 struct ScanFacts {
   std::string name;  ///< of its folder
   std::uint64_t scan_id{0};
@@ -40,6 +53,7 @@ struct ScanFacts {
   std::optional<bool> pictures_vouched{};
   std::optional<bool> stopped{};  ///< since the scan was ordered; nothing: of a gate that did not look
   std::optional<Word> confirmed{};
+  std::optional<Unmoved> unmoved{};
 };
 
 struct ResultFacts {

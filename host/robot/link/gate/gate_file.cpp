@@ -32,6 +32,17 @@ void visit(const Visit& v, ScanFacts& scan) {
   v.since("stopped", scan.stopped);
 }
 
+/// What is of a look has no meaning of a clamp.
+template <class Visit>
+void visit(const Visit& v, Unmoved& shown) {
+  v("age_s", shown.age_s);
+  if (shown.by != Unmoved::By::Look) return;
+  v("shift_mm", shown.shift_mm);
+  v("u95_mm", shown.u95_mm);
+  v("limit_mm", shown.limit_mm);
+  v("same_shoe", shown.same_shoe);
+}
+
 template <class Visit>
 void visit(const Visit& v, ResultFacts& result) {
   v("line_passed", result.line_passed);
@@ -171,6 +182,23 @@ ordered_json written(Facts facts) {
   return out;
 }
 
+constexpr const char* k_by_look = "look";
+constexpr const char* k_by_clamp = "clamp";
+
+ordered_json written_unmoved(const Unmoved& shown) {
+  ordered_json out{{"by", shown.by == Unmoved::By::Look ? k_by_look : k_by_clamp}};
+  out.update(written(shown));
+  return out;
+}
+
+void read_unmoved(const Reader& reader, Unmoved& shown) {
+  std::string by;
+  reader("by", by);
+  shown.by = by == k_by_clamp ? Unmoved::By::Clamp : Unmoved::By::Look;
+  if (by != k_by_clamp && by != k_by_look) reader.wrong("by", "look or clamp");
+  visit(reader, shown);
+}
+
 const char* name_of(GateRow::State state) {
   switch (state) {
     case GateRow::State::Passed:
@@ -215,6 +243,7 @@ Result<void> write_gate(const std::filesystem::path& file, const GateInputs& inp
     json["inputs"]["files"] = std::move(files);
   ordered_json& word = json["inputs"]["scan"]["confirmed"];
   if (inputs.scan.confirmed) word = {{"by", inputs.scan.confirmed->by}, {"at", inputs.scan.confirmed->at}};
+  if (inputs.scan.unmoved) json["inputs"]["scan"]["unmoved"] = written_unmoved(*inputs.scan.unmoved);
   return report::write_file_atomically(
       file, json.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n");
 }
@@ -241,6 +270,8 @@ Result<GateFile> read_gate(const std::filesystem::path& file) {
   visit(Reader{part("arm"), fault}, out.inputs.arm);
   visit(Reader{part("limits"), fault}, out.inputs.limits);
   visit(Reader{part("files"), fault}, out.inputs.files);
+  if (const ordered_json& scan = part("scan"); scan.is_object() && scan.contains("unmoved"))
+    read_unmoved(Reader{scan["unmoved"], fault}, out.inputs.scan.unmoved.emplace());
   if (const ordered_json& word =
           part("scan").is_object() ? part("scan").value("confirmed", ordered_json()) : ordered_json();
       word.is_object()) {

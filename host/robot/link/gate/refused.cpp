@@ -12,6 +12,8 @@ std::span<const report::RefusalRow<Refused>> refusal_table(Refused) {
       Row{Refused::ScanNotSeen, "scan_not_seen",
           "look whether the shoe still stands so, then --confirm the scan"},
       Row{Refused::ScanTooOld, "scan_too_old", k_again},
+      Row{Refused::ShoeMoved, "shoe_moved", k_again},
+      Row{Refused::OtherShoe, "other_shoe", "scan the shoe that stands there now"},
       Row{Refused::OtherConnection, "other_connection", k_again},
       Row{Refused::PicturesNotVouched, "pictures_not_vouched",
           "calibrate the head anew, which stores its camera's state, or scan with a check lap"},

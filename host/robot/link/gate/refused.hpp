@@ -9,6 +9,8 @@ namespace biteline::robot {
 enum class Refused {
   ScanNotSeen,         ///< recovered or of a recording, and no person vouches for it
   ScanTooOld,          ///< the shoe may have been moved since
+  ShoeMoved,           ///< a look after the scan shows it
+  OtherShoe,           ///< the look shows another one
   OtherConnection,     ///< the sensor was lost in mid-scan
   PicturesNotVouched,  ///< nobody vouches that they are as the head was calibrated
   SentBefore,          ///< this scan's path was sent already

@@ -44,7 +44,8 @@ TEST(EndedBy, EachReasonOfEachModuleIsSomebodys) {
   all(consistency::Refused{}, EndedBy::Machine);
   all(robot::Halt::OffPath, EndedBy::Machine, {"stopped_by_a_person", "local_control"});
   all(robot::Refused::ScanTooOld, EndedBy::Machine,
-      {"stopped_by_a_person", "not_approved", "line_not_passed", "path_not_passed", "too_uncertain"});
+      {"stopped_by_a_person", "not_approved", "shoe_moved", "other_shoe", "line_not_passed",
+       "path_not_passed", "too_uncertain"});
   all(bite_line::Refused{}, EndedBy::Shoe);
   all(transfer::Refused{}, EndedBy::Shoe);
   all(path::Refused{}, EndedBy::Shoe, {"not_as_taught"});
@@ -52,7 +53,8 @@ TEST(EndedBy, EachReasonOfEachModuleIsSomebodys) {
       {"rerun_failed", "calibration_drifted", "other_process", "line_off_mended", "part_worked_before"});
   for (const char* code : {"line_not_passed", "path_not_passed", "too_uncertain"})
     CHECK_TEXT(ended_by(code) == EndedBy::Shoe, code);
-  for (const char* code : {"stopped_by_a_person", "local_control", "not_approved"})
+  for (const char* code :
+       {"stopped_by_a_person", "local_control", "not_approved", "shoe_moved", "other_shoe"})
     CHECK_TEXT(ended_by(code) == EndedBy::Person, code);
   // A name that nobody says any more would hide that its reason has another one by now.
   std::set<std::string> listed;

@@ -45,6 +45,7 @@ struct Values : rtde::ValueSource {
     if (name == "actual_q") return now.q;
     if (name == "tcp_offset") return now.tcp_offset;
     if (name == "actual_digital_output_bits") return now.outputs;
+    if (name == "actual_digital_input_bits") return now.inputs;
     return rtde::zero_of(*rtde::output_type(name));
   }
   PlayedState now;
@@ -210,6 +211,7 @@ void FakeController::serve() {
                     .robot_mode = robot_mode,
                     .safety_mode = safety_mode,
                     .runtime_state = runtime_state,
+                    .inputs = digital_inputs,
                     .send = !silent};
       if (not_a_number) values.now.tcp_pose[0] = std::numeric_limits<double>::quiet_NaN();
       {

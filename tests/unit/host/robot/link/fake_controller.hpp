@@ -27,7 +27,7 @@ struct PlayedState {
   std::int32_t robot_mode{7}, safety_mode{1};
   std::uint32_t runtime_state{1};
   double speed_scaling{1}, speed_slider{1};
-  std::uint64_t outputs{0};  ///< digital, as bits
+  std::uint64_t outputs{0}, inputs{0};  ///< digital, as bits
   bool send{true};
   bool remote{true};  ///< its answer to "is in remote control"
   bool rests{false};  ///< after a stop the arm stands
@@ -54,6 +54,7 @@ class FakeController {
   std::atomic<std::int32_t> robot_mode{7};
   std::atomic<std::int32_t> safety_mode{1};
   std::atomic<std::uint32_t> runtime_state{1};
+  std::atomic<std::uint64_t> digital_inputs{0};
   std::atomic<bool> silent{false};  ///< keeps connections but sends no data
   std::atomic<bool> not_a_number{false};
   std::atomic<bool> turning{false};  ///< its first joint, by 0.01 rad each state

@@ -38,6 +38,13 @@ struct Change {
   Refused refused;
 };
 
+Unmoved look(double age_s) {
+  return {.by = Unmoved::By::Look, .age_s = age_s, .shift_mm = 0.02, .u95_mm = 0.04, .limit_mm = 0.15};
+}
+Unmoved clamped(double age_s) {
+  return {.by = Unmoved::By::Clamp, .age_s = age_s};
+}
+
 const std::vector<Change>& bad_changes() {
   static const std::vector<Change> k_changes{
       {"recovered", [](GateInputs& in) { in.scan.recovered = true; }, Refused::ScanNotSeen},
@@ -47,6 +54,37 @@ const std::vector<Change>& bad_changes() {
       {"of age NaN", [](GateInputs& in) { in.scan.age_s = k_nan; }, Refused::ScanTooOld},
       {"from the future", [](GateInputs& in) { in.scan.age_s = -1; }, Refused::ScanTooOld},
       {"limit NaN", [](GateInputs& in) { in.limits.scan_age_s = k_nan; }, Refused::ScanTooOld},
+      {"1800 s old, looked at again 120.1 s ago",
+       [](GateInputs& in) { in.scan.age_s = 1800, in.scan.unmoved = look(120.1); }, Refused::ScanTooOld},
+      {"1800 s old, looked at again in the future",
+       [](GateInputs& in) { in.scan.age_s = 1800, in.scan.unmoved = look(-1); }, Refused::ScanTooOld},
+      {"1800 s old, looked at again at NaN",
+       [](GateInputs& in) { in.scan.age_s = 1800, in.scan.unmoved = look(k_nan); }, Refused::ScanTooOld},
+      {"130 s old, the look before it",
+       [](GateInputs& in) { in.scan.age_s = 130, in.limits.scan_age_s = 120, in.scan.unmoved = look(131); },
+       Refused::ScanTooOld},
+      {"1800 s old, clamped for 1799.9 s",
+       [](GateInputs& in) { in.scan.age_s = 1800, in.scan.unmoved = clamped(1799.9); }, Refused::ScanTooOld},
+      {"1800 s old, clamped for NaN",
+       [](GateInputs& in) { in.scan.age_s = 1800, in.scan.unmoved = clamped(k_nan); }, Refused::ScanTooOld},
+      {"of no known age, clamped",
+       [](GateInputs& in) { in.scan.age_s.reset(), in.scan.unmoved = clamped(1e6); }, Refused::ScanTooOld},
+      {"from the future, clamped", [](GateInputs& in) { in.scan.age_s = -1, in.scan.unmoved = clamped(1e6); },
+       Refused::ScanTooOld},
+      {"nudged", [](GateInputs& in) { in.scan.unmoved = look(4), in.scan.unmoved->shift_mm = 0.3; },
+       Refused::ShoeMoved},
+      {"nudged by chance", [](GateInputs& in) { in.scan.unmoved = look(4), in.scan.unmoved->u95_mm = 0.14; },
+       Refused::ShoeMoved},
+      {"nudged, the look is old",
+       [](GateInputs& in) { in.scan.unmoved = look(400), in.scan.unmoved->shift_mm = 0.3; },
+       Refused::ShoeMoved},
+      {"moved by NaN", [](GateInputs& in) { in.scan.unmoved = look(4), in.scan.unmoved->shift_mm = k_nan; },
+       Refused::ShoeMoved},
+      {"moved with U95 NaN",
+       [](GateInputs& in) { in.scan.unmoved = look(4), in.scan.unmoved->u95_mm = k_nan; },
+       Refused::ShoeMoved},
+      {"another shoe", [](GateInputs& in) { in.scan.unmoved = look(4), in.scan.unmoved->same_shoe = false; },
+       Refused::OtherShoe},
       {"two connections", [](GateInputs& in) { in.scan.one_connection = false; }, Refused::OtherConnection},
       {"no scan", [](GateInputs& in) { in.scan.scan_id = 0; }, Refused::OtherConnection},
       {"nobody vouches for its pictures", [](GateInputs& in) { in.scan.pictures_vouched = false; },
@@ -236,6 +274,80 @@ TEST(Gate, PersonVouchesForARecoveredScanAndForNothingElse) {
     GateInputs worse = inputs;
     change.make(worse);
     CHECK_EQUAL_TEXT(vouched, opens(worse), change.name);
+  }
+}
+
+/// Every age with every kind of evidence.
+TEST(Gate, AHeldScanStaysFreshByEvidence) {
+  struct Shown {
+    const char* name;
+    std::optional<Unmoved> unmoved;
+    bool for_old, for_unknown;
+  };
+  Unmoved nudged = look(4), other = look(4);
+  nudged.shift_mm = 0.3;
+  other.same_shoe = false;
+  const Shown all[]{{"nothing", std::nullopt, false, false},
+                    {"look", look(4), true, true},
+                    {"look at the limit", look(120), true, true},
+                    {"old look", look(121), false, false},
+                    {"clamp", clamped(1800), true, false},
+                    {"clamp closed later", clamped(1700), false, false},
+                    {"nudged", nudged, false, false},
+                    {"other shoe", other, false, false}};
+  for (const Shown& shown : all) {
+    GateInputs inputs = test::good_inputs();
+    inputs.scan.unmoved = shown.unmoved;
+    const bool told = shown.unmoved && (shown.unmoved->shift_mm > 0.1 || !shown.unmoved->same_shoe);
+    inputs.scan.age_s = 120;
+    CHECK_EQUAL_TEXT(!told, opens(inputs), shown.name);
+    inputs.scan.age_s = 1800;
+    CHECK_EQUAL_TEXT(shown.for_old, opens(inputs), shown.name);
+    inputs.scan.age_s.reset();
+    CHECK_EQUAL_TEXT(shown.for_unknown, opens(inputs), shown.name);
+    inputs.scan.confirmed = Word{.by = "maria", .at = "2026-01-02T03:04:05Z"};
+    CHECK_EQUAL_TEXT(!told, opens(inputs), shown.name);
+  }
+}
+
+TEST(Gate, TheRowOfTheAgeSaysByWhatTheScanIsFresh) {
+  GateInputs inputs = test::good_inputs();
+  inputs.scan.age_s = 1800;
+  const auto age_value = [&] {
+    const std::vector<GateRow> rows = judge(inputs);
+    return std::ranges::find(rows, Refused::ScanTooOld, &GateRow::code)->value;
+  };
+  STRCMP_EQUAL("1800.0 s", age_value().c_str());
+  inputs.scan.unmoved = look(4);
+  STRCMP_EQUAL("1800.0 s, but looked at again 4.0 s ago: moved 0.02 mm, U95 0.04 mm", age_value().c_str());
+  inputs.scan.unmoved = clamped(1805);
+  STRCMP_EQUAL("1800.0 s, but clamped for 1805.0 s", age_value().c_str());
+}
+
+TEST(Gate, EvidenceIsKeptInTheFileAndReadStrictly) {
+  for (const Unmoved& shown : {look(4), clamped(2000)}) {
+    GateInputs inputs = test::good_inputs();
+    inputs.scan.age_s = 1800;
+    inputs.scan.unmoved = shown;
+    SUCCEEDS(write_gate(file(), inputs));
+    const auto read = read_gate(file());
+    SUCCEEDS(read);
+    CHECK(read->permitted);
+    CHECK(read->inputs.scan.unmoved->by == shown.by);
+    DOUBLES_EQUAL(shown.age_s, read->inputs.scan.unmoved->age_s, 0);
+    DOUBLES_EQUAL(shown.u95_mm, read->inputs.scan.unmoved->u95_mm, 0);
+    std::ifstream stream{file()};
+    const nlohmann::ordered_json json = biteline::test::read_ordered_json(stream);
+    for (const auto& [name, value] : json["inputs"]["scan"]["unmoved"].items()) {
+      nlohmann::ordered_json changed = json;
+      changed["inputs"]["scan"]["unmoved"].erase(name);
+      folder.write("gate.json", biteline::test::text_of(changed));
+      CHECK_TEXT(!read_gate(file()).has_value(), name.c_str());
+      changed = json;
+      changed["inputs"]["scan"]["unmoved"][name] = "hearsay";
+      folder.write("gate.json", biteline::test::text_of(changed));
+      CHECK_TEXT(!read_gate(file()).has_value(), name.c_str());
+    }
   }
 }
 
