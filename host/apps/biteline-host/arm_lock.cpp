@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <memory>
 
+#include "host/apps/biteline-host/controller.hpp"
 #include "host/apps/biteline-host/steps.hpp"
 
 namespace biteline::service {

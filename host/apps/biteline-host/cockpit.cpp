@@ -39,7 +39,7 @@ Cockpit::Cockpit(CockpitConfig config, memory::Memory memory)
       cycle_{config_.jobs},
       go_{stops_.now()} {
   process_.name = config_.process;
-  paused_ = cycle_.on_demand();
+  if (cycle_.on_demand()) cell_.on(CellEvent::Spent);
 }
 
 Cockpit::~Cockpit() {
@@ -144,11 +144,12 @@ void Cockpit::wish_locked(Wish wish) {
   wishes_.push_back(std::move(wish));
 }
 
-std::optional<Wish> Cockpit::next_wish() {
+std::optional<Wish> Cockpit::next_wish(bool of_held) {
   const std::lock_guard lock{mutex_};
-  if (wishes_.empty()) return std::nullopt;
-  Wish wish = std::move(wishes_.front());
-  wishes_.pop_front();
+  const auto next = std::ranges::find_if(wishes_, [&](const Wish& one) { return of_held || !one.of_held(); });
+  if (next == wishes_.end()) return std::nullopt;
+  Wish wish = std::move(*next);
+  wishes_.erase(next);
   return wish;
 }
 
@@ -169,23 +170,48 @@ bool Cockpit::wants_hold_at_last(const std::string& scan) {
   return false;
 }
 
-void Cockpit::show(Phase phase, const std::string& now, const std::string& next) {
+CellMachine Cockpit::cell() const {
+  const std::lock_guard lock{mutex_};
+  return cell_;
+}
+
+void Cockpit::enter(CellEvent event) {
   {
     const std::lock_guard lock{mutex_};
-    if (phase_ == phase && now_ == now && next_ == next) return;
-    phase_ = phase;
-    now_ = now;
-    next_ = next;
-    if (phase != Phase::Scanning) progress_.reset();
+    if (!cell_.on(event)) return;
     published_ = {};
   }
   publish_state();
 }
 
-void Cockpit::show_scan(const std::string& scan) {
+void Cockpit::works(const std::string& scan) {
+  const std::lock_guard lock{mutex_};
+  shoe_scan_ = scan;
+  cell_.on(CellEvent::Works);
+}
+
+void Cockpit::hinder(Hindrance hindrance) {
+  const std::lock_guard lock{mutex_};
+  hindrance_ = hindrance;
+}
+
+void Cockpit::show(const std::string& now, const std::string& next) {
+  {
+    const std::lock_guard lock{mutex_};
+    if (now_ == now && next_ == next) return;
+    now_ = now;
+    next_ = next;
+    if (cell_.sensing() != Sensing::Scanning) progress_.reset();
+    published_ = {};
+  }
+  publish_state();
+}
+
+void Cockpit::scan_begins(const std::string& scan) {
   const std::lock_guard lock{mutex_};
   scan_ = scan;
   cycle_.scan_begins();
+  cell_.on(CellEvent::ScanBegins);
 }
 
 void Cockpit::show_progress(std::uint64_t profiles, std::uint64_t expected) {
@@ -279,10 +305,10 @@ robot::StopMark Cockpit::going() const {
 
 std::optional<robot::StopMark> Cockpit::begin_cycle() {
   const std::lock_guard lock{mutex_};
-  if (paused_ || go_.stopped()) return std::nullopt;
+  if (cell_.going() != Going::Goes || go_.stopped()) return std::nullopt;
   if (const std::optional<double> whole_s = cycle_s_locked()) last_cycle_s_ = whole_s;
   this_cycle_ = Cycle{.begun = Clock::now(), .mark = go_};
-  if (cycle_.on_demand()) paused_ = true;
+  if (cycle_.on_demand()) cell_.on(CellEvent::Spent);
   return go_;
 }
 
@@ -296,25 +322,32 @@ std::optional<double> Cockpit::cycle_s_locked() const {
   return std::chrono::duration<double>(Clock::now() - this_cycle_->begun).count();
 }
 
-void Cockpit::hold(const std::string& scan, Wait wait, std::optional<double> fresh_s,
-                   const std::optional<robot::StopMark>& mark,
-                   std::optional<report::ToldRefusal> not_sendable, const std::string& version) {
+void Cockpit::hold(const HeldShown& held) {
   const std::lock_guard lock{mutex_};
-  if (mending_ == scan) mending_.clear();
-  if (!scan.empty() && mark.value_or(go_).stopped()) {
-    ended_ = scan;
+  if (mending_ == held.scan) mending_.clear();
+  shoe_scan_ = held.scan;
+  if (held.mark.value_or(go_).stopped()) {
+    ended_ = held.scan;
     return;
   }
-  held_ = scan;
-  wait_ = wait;
-  not_sendable_ = std::move(not_sendable);
-  version_ = version;
+  cell_.on(CellEvent::Holds);
+  show_held_locked(held);
+}
+
+void Cockpit::hold_on(const HeldShown& held) {
+  const std::lock_guard lock{mutex_};
+  if (holds_locked(held.scan)) show_held_locked(held);
+}
+
+void Cockpit::show_held_locked(const HeldShown& held) {
+  waits_ = held.waits;
+  not_sendable_ = held.not_sendable;
+  version_ = held.version;
   fresh_until_.reset();
-  if (fresh_s)
-    fresh_until_ =
-        Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(*fresh_s));
-  if (going_on_ == scan) going_on_.clear();
-  if (scan.empty()) hold_wanted_.clear();
+  if (held.fresh_s)
+    fresh_until_ = Clock::now() +
+                   std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(*held.fresh_s));
+  published_ = {};
 }
 
 bool Cockpit::mends(const std::string& scan) const {
@@ -326,6 +359,8 @@ void Cockpit::tell_scan(const std::string& scan) {
   if (!server_) return;
   const Result<std::optional<memory::Scan>> row = memory_.scan(scan);
   if (row && *row) server_->publish("scan", api::to_json(**row));
+  // What is being taught goes on with it, also while no page asks.
+  if (api_) static_cast<void>(api_->teaching_json());
 }
 
 void Cockpit::publish_state() {

@@ -2,7 +2,6 @@
 #pragma once
 /// \file What doors see of the service and say to it: the cell's face behind the control end.
 
-#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <deque>
@@ -12,6 +11,7 @@
 #include <string>
 
 #include "common/wire/messages.hpp"
+#include "host/apps/biteline-host/cell_machine.hpp"
 #include "host/apps/biteline-host/rerun.hpp"
 #include "host/doors/api/api.hpp"
 #include "host/doors/api/words.hpp"
@@ -21,9 +21,6 @@
 #include "host/robot/link/ur/controller_words.hpp"
 
 namespace biteline::service {
-
-/// What the service is about.
-enum class Phase { Starting, Waiting, Scanning, Working, Deciding, Following, Stopped, Fault };
 
 struct CockpitConfig {
   std::filesystem::path results;
@@ -60,6 +57,7 @@ struct Wish {
     Keep,
     Process,
     Air,
+    Look,
     Saved  ///< a model was made with the process of SHA-256 `why`
   };
   Kind kind{Kind::Stop};
@@ -69,6 +67,16 @@ struct Wish {
   wire::Command command{wire::Command::KeepLast};  ///< of Keep
   std::uint32_t question{0};                       ///< which answer_settings() is to name
   robot::StopMark mark{};                          ///< of when it was heard
+
+  /// Of a scan that is held.
+  [[nodiscard]] bool of_held() const {
+    return kind == Kind::Send || kind == Kind::Reject || kind == Kind::Model || kind == Kind::Mended ||
+           kind == Kind::Process || kind == Kind::Air || kind == Kind::Look;
+  }
+  /// What was said before a stop is over.
+  [[nodiscard]] bool ends_by_stop() const {
+    return of_held() || kind == Kind::Start || kind == Kind::Rescan || kind == Kind::Hold;
+  }
 };
 
 /// Owns memory, accounts, API and control end.  Thread: the doors' threads call the Cell's methods, the
@@ -85,7 +93,8 @@ class Cockpit final : public api::Cell {
   [[nodiscard]] bool has_doors() const { return server_ != nullptr; }
   [[nodiscard]] const std::string& address() const { return address_; }
 
-  [[nodiscard]] std::optional<Wish> next_wish();
+  /// `of_held` false: what is held is not to be had now, and what was said about it stays in the queue.
+  [[nodiscard]] std::optional<Wish> next_wish(bool of_held = true);
   /// It is not heeded, as it was said before a stop.
   void drop(const Wish& wish);
   /// As a stop that no person said.
@@ -95,16 +104,23 @@ class Cockpit final : public api::Cell {
   void taken_at_the_pendant();
   /// Of the last start that was taken; of the service's own until there is one.
   [[nodiscard]] robot::StopMark going() const;
-  /// No new scan is asked for.
-  [[nodiscard]] bool paused() const { return paused_; }
+  /// The cell's state at this moment.  Of its events the sensor's and the work's come by enter(), all others
+  /// by doors.
+  [[nodiscard]] CellMachine cell() const;
+  void enter(CellEvent event);
+  /// The result's thread begins with this scan.
+  void works(const std::string& scan);
+  /// Why no scan is asked for though one would be.
+  void hinder(Hindrance hindrance);
   /// A person wants to see this scan before it is sent.
   [[nodiscard]] bool wants_hold(const std::string& scan) const;
   /// The last look, of a scan that goes to the arm else: from now on whoever wants it held is told that it is
   /// too late, and to say stop.
   [[nodiscard]] bool wants_hold_at_last(const std::string& scan);
 
-  void show(Phase phase, const std::string& now, const std::string& next);
-  void show_scan(const std::string& scan);
+  /// What the cell is about, and what comes next, in words.
+  void show(const std::string& now, const std::string& next);
+  void scan_begins(const std::string& scan);
   void show_progress(std::uint64_t profiles, std::uint64_t expected);
   struct ShownProcess {
     std::string name{};
@@ -134,25 +150,28 @@ class Cockpit final : public api::Cell {
   /// On demand this scan is the last until the next start.  The mark of the start that it comes of; nothing:
   /// somebody has said stop, no scan is asked for.
   [[nodiscard]] std::optional<robot::StopMark> begin_cycle();
-  /// On demand, and nobody has started.
-  [[nodiscard]] bool waits_for_start() const;
   /// The scan that was asked for does not come: the next one waits for a start.
   void give_up_start();
   /// This row is the scan's last.
   void end_cycle(const memory::Scan& scan);
   /// Of the cycle that goes on; nothing: none does, or somebody has said stop since it began.
   [[nodiscard]] std::optional<double> cycle_s() const;
-  /// What a held scan waits for.
-  enum class Wait { Word, Mend, Model };
-  /// The scan waits for a person until its name is empty again; only one that waits for a word can be
-  /// accepted, and only one that waits for its model can be given one.
-  /// `fresh_s`: for so long the gate lets it through for its age; nothing: it does not at all, or it has no
-  /// path.  `mark`: of the start that the scan comes of, nothing: of the last one; where somebody has said
-  /// stop since, it does not wait.  `not_sendable`: why a yes would be refused at the gate, whatever the
-  /// scan's age.
-  void hold(const std::string& scan, Wait wait = Wait::Word, std::optional<double> fresh_s = {},
-            const std::optional<robot::StopMark>& mark = {},
-            std::optional<report::ToldRefusal> not_sendable = {}, const std::string& version = {});
+  /// What waits for a person.
+  struct HeldShown {
+    std::string scan;
+    Waits waits{Waits::ForWord};
+    /// For so long the gate lets it through for its age; nothing: its age does not end it, or it has no path.
+    std::optional<double> fresh_s{};
+    std::optional<robot::StopMark> mark{};  ///< of the start that it comes of; nothing: of the last one
+    /// Why a yes would be refused at the gate, whatever the scan's age.
+    std::optional<report::ToldRefusal> not_sendable{};
+    std::string version{};  ///< of line, cloud, process and path
+  };
+  /// It waits until a person says a word; only what waits for a word can be accepted, and only what waits for
+  /// its model can be given one.  Where somebody has said stop since its start, it does not wait.
+  void hold(const HeldShown& held);
+  /// What is told of it has changed; nothing where it waits no longer.
+  void hold_on(const HeldShown& held);
   /// Somebody mends its line.
   [[nodiscard]] bool mends(const std::string& scan) const;
   /// While it is held no person's word about a scan is taken.  Whoever reads a scan's row and writes it again
@@ -176,6 +195,7 @@ class Cockpit final : public api::Cell {
   [[nodiscard]] Result<void> choose_process(const std::string& scan, const std::string& process,
                                             const api::Speaker& who) override;
   [[nodiscard]] Result<void> run_in_air(const std::string& scan, const api::Speaker& who) override;
+  [[nodiscard]] Result<void> look_again(const std::string& scan, const api::Speaker& who) override;
   [[nodiscard]] Result<void> begin_mend(const std::string& scan) override;
   void end_mend(const std::string& scan, bool mended, const api::Speaker& who) override;
   void model_saved(const std::string& process_sha256, const std::string& who) override;
@@ -216,8 +236,17 @@ class Cockpit final : public api::Cell {
   /// Arm, scan, what waits and what was said end here; the service's thread tells the sensor.
   void end_all(Wish::Kind kind, const std::string& who);
   /// The scan that is held goes on: nobody can say a word about it until it is held again.
-  [[nodiscard]] Result<void> take_held_locked(const std::string& scan, const robot::StopMark& mark);
-  void go_on_locked();
+  [[nodiscard]] Result<void> take_held_locked(const std::string& scan, const robot::StopMark& mark,
+                                              CellEvent event);
+  void show_held_locked(const HeldShown& held);
+  /// This scan is held.
+  [[nodiscard]] bool holds_locked(const std::string& scan) const;
+  /// It is held, or will be held again: a person's word about it is worked out.
+  [[nodiscard]] bool goes_on_locked(const std::string& scan) const;
+  /// It comes in, or its path is not there yet.
+  [[nodiscard]] bool in_work_locked(const std::string& scan) const;
+  [[nodiscard]] bool follows_locked(const std::string& scan) const;
+  [[nodiscard]] std::string working_locked() const;
   /// Of the scans to come; one in work waits as it was asked for.
   void hold_all_locked(bool hold);
   /// So that it outlives this process.
@@ -243,29 +272,27 @@ class Cockpit final : public api::Cell {
   std::string address_;
   robot::Stops own_stops_;
   robot::Stops& stops_;
-  std::atomic<bool> paused_{false};
-
   std::mutex words_mutex_;  ///< taken before mutex_
   mutable std::mutex mutex_;
   line_control::Cycle cycle_;
-  bool stopped_{false};  ///< by a person
+  CellMachine cell_;
+  std::string scan_;       ///< that began last
+  std::string shoe_scan_;  ///< that is in work, is held, or was last
+  Hindrance hindrance_{Hindrance::None};
   std::string stopped_by_;
   std::string ended_;   ///< the last scan that waited when somebody said stop
   robot::StopMark go_;  ///< of the last start
   std::deque<Wish> wishes_;
   std::string hold_wanted_;
-  std::string past_hold_;  ///< a scan that nobody can hold any more
-  bool hold_all_{false};   ///< of the job that a person started
-  bool hold_kept_{false};  ///< as it stands in the memory
-  std::string held_;
-  Wait wait_{Wait::Word};                              ///< of what is held
+  std::string past_hold_;                              ///< a scan that nobody can hold any more
+  bool hold_all_{false};                               ///< of the job that a person started
+  bool hold_kept_{false};                              ///< as it stands in the memory
+  Waits waits_{Waits::ForWord};                        ///< of what is held
   std::optional<Clock::time_point> fresh_until_{};     ///< of what is held
   std::string version_{};                              ///< of what is held: of line, cloud, process and path
   std::optional<report::ToldRefusal> not_sendable_{};  ///< the same
-  std::string going_on_;  ///< a scan that was held, until it waits again or its row is the last
-  std::string mending_;   ///< a scan whose line is being mended, or whose path is planned anew
-  Phase phase_{Phase::Starting};
-  std::string now_{"starts"}, next_, scan_;
+  std::string mending_;  ///< a scan whose line is being mended, or whose path is planned anew
+  std::string now_{"starts"}, next_;
   std::optional<double> progress_{};
   std::string model_;
   ShownProcess process_{};

@@ -9,26 +9,20 @@ using line_control::Step;
 
 line_control::Standing Cockpit::standing_locked(bool control_held) const {
   return {.control_held = control_held,
-          .deciding = !held_.empty(),
-          .stopped = stopped_,
+          .deciding = cell_.shoe() == Shoe::Held,
+          .stopped = cell_.going() == Going::Stopped,
           .sensor = sensor_lost_.empty()};
-}
-
-bool Cockpit::waits_for_start() const {
-  const std::lock_guard lock{mutex_};
-  return cycle_.on_demand() && !stopped_;
 }
 
 void Cockpit::give_up_start() {
   const std::lock_guard lock{mutex_};
   if (!cycle_.on_demand()) return;
   cycle_.give_up();
-  paused_ = true;
+  cell_.on(CellEvent::Spent);
 }
 
 void Cockpit::end_cycle(const memory::Scan& scan) {
   const std::lock_guard lock{mutex_};
-  if (going_on_ == scan.name) going_on_.clear();
   if (mending_ == scan.name) mending_.clear();
   cycle_.scan_ends({.scan = scan.name,
                     .verdict = scan.verdict,
@@ -45,10 +39,12 @@ void Cockpit::end_cycle(const memory::Scan& scan) {
 
 line_control::LineState Cockpit::line_state() {
   const std::lock_guard lock{mutex_};
-  const Step working = phase_ == Phase::Following  ? Step::Following
-                       : phase_ == Phase::Scanning ? Step::Scanning
-                                                   : Step::Working;
-  return cycle_.state(standing_locked(false), working, phase_ == Phase::Fault);
+  const CellState state = cell_.state(hindrance_);
+  const Step working = state == CellState::Following  ? Step::Following
+                       : state == CellState::Scanning ? Step::Scanning
+                                                      : Step::Working;
+  const bool fault = state == CellState::NoSensor || state == CellState::NotReady;
+  return cycle_.state(standing_locked(false), working, fault);
 }
 
 std::optional<api::Job> Cockpit::job_of(int number) {

@@ -5,26 +5,28 @@
 namespace biteline::service {
 
 api::Json Cockpit::offers_locked() const {
-  const bool held = !held_.empty();
-  const bool mends = held && mending_ == held_;
+  const bool held = cell_.shoe() == Shoe::Held;
+  const bool mends = held && mending_ == shoe_scan_;
   const bool one_at_a_time = cycle_.on_demand() && cycle_.busy();
-  const bool coming = phase_ == Phase::Scanning || phase_ == Phase::Working;
+  const bool goes_on = cell_.goes_on();
+  const std::string working = working_locked();
   const bool sendable = held && !mends && !not_sendable_locked();
   const bool plans = held && !mends && config_.rerun_arm;
   api::Json offers = api::Json::array();
   const auto offer = [&offers](const char* command, bool taken) {
     if (taken) offers.push_back(command);
   };
-  offer("start", !held && going_on_.empty() && !one_at_a_time);
-  offer("rescan", phase_ != Phase::Following && going_on_.empty() && (held ? !mends : !one_at_a_time));
+  offer("start", !held && !goes_on && !one_at_a_time);
+  offer("rescan", !cell_.arm_will_move() && !goes_on && (held ? !mends : !one_at_a_time));
   offer("accept", sendable);
   offer("reject", held && !mends);
-  offer("hold", !held && coming && !scan_.empty() && past_hold_ != scan_ && hold_wanted_ != scan_);
-  offer("model", held && wait_ == Wait::Model);
+  offer("hold", !working.empty() && past_hold_ != working && hold_wanted_ != working);
+  offer("model", held && waits_ == Waits::ForModel);
   offer("process", plans);
   // The gate is the same: what it would refuse moves in the air as little.
-  offer("air", plans && sendable && wait_ == Wait::Word);
-  offer("mend", held && wait_ != Wait::Model && mending_.empty());
+  offer("air", plans && sendable && waits_ == Waits::ForWord);
+  offer("look", plans && waits_ == Waits::ForWord && cell_.sensing() == Sensing::Idle);
+  offer("mend", held && waits_ != Waits::ForModel && mending_.empty());
   return offers;
 }
 

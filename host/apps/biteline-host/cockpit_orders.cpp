@@ -4,8 +4,8 @@
 
 #include "host/apps/biteline-host/cockpit.hpp"
 #include "host/apps/biteline-host/service_words.hpp"
-#include "host/apps/biteline-host/steps.hpp"
 #include "host/records/evidence/evidence.hpp"
+#include "host/robot/link/gate/refused.hpp"
 
 namespace biteline::service {
 namespace {
@@ -31,10 +31,9 @@ void Cockpit::end_all(Wish::Kind kind, const std::string& who) {
   const std::lock_guard lock{mutex_};
   if (cycle_.on_demand()) cycle_.give_up();
   cycle_.forget_part();
-  paused_ = true;
-  stopped_ = true;
+  if (cell_.shoe() == Shoe::Held) ended_ = shoe_scan_;
+  cell_.on(CellEvent::Stop);
   stopped_by_ = who;
-  if (!held_.empty()) ended_ = std::exchange(held_, {});
   wish_locked({.kind = kind, .who = who});
 }
 
@@ -67,11 +66,11 @@ Result<void> Cockpit::start(const api::Job& job, const api::Speaker& said) {
   const Result<void> begun = [&]() -> Result<void> {
     const std::lock_guard lock{mutex_};
     if (mark.stopped()) return over();
-    if (!held_.empty())
-      return fail(Errc::WrongState, "%s waits for a person; accept or reject it first", held_.c_str());
-    if (!going_on_.empty())
+    if (cell_.shoe() == Shoe::Held)
+      return fail(Errc::WrongState, "%s waits for a person; accept or reject it first", shoe_scan_.c_str());
+    if (cell_.goes_on())
       return fail(Errc::WrongState, "%s is in work; start when it waits again, or is done",
-                  going_on_.c_str());
+                  shoe_scan_.c_str());
     if (cycle_.on_demand() && cycle_.busy())
       return fail(Errc::WrongState, "a scan is in work, and each start is one scan; wait for its end");
     api::Job said = job;
@@ -119,14 +118,15 @@ void Cockpit::keep_what_holds(const std::string& who) {
 }
 
 void Cockpit::hold_all_locked(bool hold) {
-  if (hold_all_ && !hold && (phase_ == Phase::Scanning || phase_ == Phase::Working)) hold_wanted_ = scan_;
+  if (hold_all_ && !hold) {
+    if (std::string working = working_locked(); !working.empty()) hold_wanted_ = std::move(working);
+  }
   hold_all_ = hold;
 }
 
 void Cockpit::go_locked(Wish wish) {
   go_ = wish.mark;
-  paused_ = false;
-  stopped_ = false;
+  cell_.on(CellEvent::Start);
   ended_.clear();
   wish_locked(std::move(wish));
 }
@@ -137,11 +137,11 @@ Result<void> Cockpit::rescan(const Rescan& order) {
   {
     const std::lock_guard lock{mutex_};
     if (mark.stopped()) return over();
-    if (phase_ == Phase::Following) return fail(Errc::WrongState, "the arm follows a path; stop it first");
-    if (!going_on_.empty())
+    if (cell_.arm_will_move()) return fail(Errc::WrongState, "the arm follows a path; stop it first");
+    if (cell_.goes_on())
       return fail(Errc::WrongState, "%s is in work; scan again when it waits again, or is done",
-                  going_on_.c_str());
-    held = held_;
+                  shoe_scan_.c_str());
+    if (cell_.shoe() == Shoe::Held) held = shoe_scan_;
     if (held.empty() && cycle_.on_demand() && cycle_.busy())
       return fail(Errc::WrongState, "a scan is in work; wait for its end, or stop it first");
   }
@@ -189,14 +189,13 @@ Result<void> Cockpit::decide(const api::Decision& decision) {
     if (mending_ == decision.scan)
       return fail(Errc::WrongState, "%s is being mended; decide when its path is checked", mending_.c_str());
     // A no would meet a path that is planned or run: stop it, or wait until it is held again.
-    if (decision.kind == Reject && going_on_ == decision.scan)
-      return fail(Errc::WrongState, "%s is in work; reject it when it waits again", going_on_.c_str());
+    if (decision.kind == Reject && goes_on_locked(decision.scan))
+      return fail(Errc::WrongState, "%s is in work; reject it when it waits again", shoe_scan_.c_str());
     // Whoever says no would believe that the arm stands.
-    if (decision.kind == Reject && held_ != decision.scan && scan_ == decision.scan &&
-        phase_ == Phase::Following)
+    if (decision.kind == Reject && follows_locked(decision.scan))
       return fail(Errc::WrongState, "the arm follows %s; stop it (POST /commands/stop)",
                   decision.scan.c_str());
-    held = held_ == decision.scan;
+    held = holds_locked(decision.scan);
     ended = ended_ == decision.scan;
     if (held) why_not = not_sendable_locked();
     if (held && !decision.version.empty() && decision.version != version_)
@@ -207,8 +206,7 @@ Result<void> Cockpit::decide(const api::Decision& decision) {
     if (decision.kind == Hold && !held && past_hold_ == decision.scan)
       return fail(Errc::WrongState, "it is too late to hold %s; stop the arm (POST /commands/stop)",
                   decision.scan.c_str());
-    if (decision.kind == Hold && !held && scan_ == decision.scan &&
-        (phase_ == Phase::Scanning || phase_ == Phase::Working)) {
+    if (decision.kind == Hold && !held && in_work_locked(decision.scan)) {
       hold_wanted_ = decision.scan;
     } else if (decision.kind == Hold && !held) {
       return fail(Errc::WrongState, "%s is not in work any more; nothing is left to hold",
@@ -259,7 +257,12 @@ Result<void> Cockpit::decide(const api::Decision& decision) {
                                         .before = before,
                                         .after = decision.why}));
   if (held && decision.kind != Hold) {
-    hold("");
+    {
+      const std::lock_guard lock{mutex_};
+      // A stop that came meanwhile has ended it: the word's mark says so to whoever heeds it.
+      cell_.on(sends ? CellEvent::Accept : CellEvent::Reject);
+      hold_wanted_.clear();
+    }
     if (!sends) end_cycle(*scan);
     wish({.kind = sends ? Wish::Kind::Send : Wish::Kind::Reject,
           .scan = decision.scan,
@@ -287,9 +290,10 @@ Result<void> Cockpit::choose_model(const std::string& scan, const std::string& m
   {
     const std::lock_guard lock{mutex_};
     if (mark.stopped()) return over();
-    if (held_ != scan || wait_ != Wait::Model)
+    if (!holds_locked(scan) || waits_ != Waits::ForModel)
       return fail(Errc::WrongState, "%s does not wait for its model", scan.c_str());
-    go_on_locked();
+    // Whoever wants to see it first still does, also once its model is named.
+    cell_.on(CellEvent::Plan);
   }
   wish({.kind = Wish::Kind::Model,
         .scan = scan,
@@ -300,21 +304,38 @@ Result<void> Cockpit::choose_model(const std::string& scan, const std::string& m
   return {};
 }
 
-Result<void> Cockpit::take_held_locked(const std::string& scan, const robot::StopMark& mark) {
+bool Cockpit::holds_locked(const std::string& scan) const {
+  return cell_.shoe() == Shoe::Held && shoe_scan_ == scan;
+}
+
+bool Cockpit::goes_on_locked(const std::string& scan) const {
+  return cell_.goes_on() && shoe_scan_ == scan;
+}
+
+std::string Cockpit::working_locked() const {
+  if (cell_.shoe() == Shoe::Working || cell_.shoe() == Shoe::Planning) return shoe_scan_;
+  return cell_.shoe() == Shoe::None && cell_.sensing() == Sensing::Scanning ? scan_ : std::string{};
+}
+
+bool Cockpit::in_work_locked(const std::string& scan) const {
+  return working_locked() == scan || (cell_.sensing() == Sensing::Scanning && scan_ == scan);
+}
+
+bool Cockpit::follows_locked(const std::string& scan) const {
+  return cell_.arm_will_move() && shoe_scan_ == scan;
+}
+
+Result<void> Cockpit::take_held_locked(const std::string& scan, const robot::StopMark& mark,
+                                       CellEvent event) {
   if (mark.stopped()) return over();
   if (!config_.rerun_arm)
     return fail(Errc::WrongState, "no path is planned without an arm; start the service with --robot");
   if (mending_ == scan) return fail(Errc::WrongState, "%s is being mended; wait for it", mending_.c_str());
-  if (held_ != scan)
+  if (!holds_locked(scan))
     return fail(Errc::WrongState, "%s does not wait for a person; scan the shoe again, and hold it",
                 scan.c_str());
-  go_on_locked();
+  cell_.on(event);
   return {};
-}
-
-void Cockpit::go_on_locked() {
-  // Whoever wants to see it first still does, also once its model is named.
-  going_on_ = std::exchange(held_, {});
 }
 
 Result<void> Cockpit::choose_process(const std::string& scan, const std::string& process,
@@ -323,7 +344,7 @@ Result<void> Cockpit::choose_process(const std::string& scan, const std::string&
   const robot::StopMark mark = stops_.at(who.stops);
   {
     const std::lock_guard lock{mutex_};
-    BITELINE_TRY(take_held_locked(scan, mark));
+    BITELINE_TRY(take_held_locked(scan, mark, CellEvent::Plan));
   }
   wish({.kind = Wish::Kind::Process,
         .scan = scan,
@@ -343,28 +364,41 @@ Result<void> Cockpit::run_in_air(const std::string& scan, const api::Speaker& wh
   const robot::StopMark mark = stops_.at(who.stops);
   {
     const std::lock_guard lock{mutex_};
-    if (held_ == scan && wait_ != Wait::Word)
+    if (holds_locked(scan) && waits_ != Waits::ForWord)
       return fail(Errc::WrongState, "%s has no checked path yet; choose its process, or its model",
                   scan.c_str());
-    BITELINE_TRY(take_held_locked(scan, mark));
+    BITELINE_TRY(take_held_locked(scan, mark, CellEvent::Plan));
   }
   wish({.kind = Wish::Kind::Air, .scan = scan, .who = who.name, .why = {}, .mark = mark});
+  return {};
+}
+
+Result<void> Cockpit::look_again(const std::string& scan, const api::Speaker& who) {
+  const std::unique_lock words = between_words();
+  const robot::StopMark mark = stops_.at(who.stops);
+  {
+    const std::lock_guard lock{mutex_};
+    if (holds_locked(scan) && waits_ != Waits::ForWord)
+      return fail(Errc::WrongState, "%s has no checked path yet; there is nothing to keep fresh",
+                  scan.c_str());
+    if (cell_.sensing() != Sensing::Idle)
+      return fail(Errc::WrongState, "the sensor is not free to look; wait for it");
+    BITELINE_TRY(take_held_locked(scan, mark, CellEvent::Look));
+  }
+  wish({.kind = Wish::Kind::Look, .scan = scan, .who = who.name, .why = {}, .mark = mark});
   return {};
 }
 
 Result<void> Cockpit::begin_mend(const std::string& scan) {
   const std::unique_lock words = between_words();
   const std::lock_guard lock{mutex_};
-  if (held_ == scan && wait_ == Wait::Model)
+  if (holds_locked(scan) && waits_ == Waits::ForModel)
     return fail(Errc::WrongState, "the model of %s is not known; choose one first", scan.c_str());
   if (!mending_.empty()) return fail(Errc::WrongState, "%s is being mended; wait for it", mending_.c_str());
   // Also while another scan comes in.
-  if (going_on_ == scan)
+  if (goes_on_locked(scan))
     return fail(Errc::WrongState, "%s is in work; mend it when it waits again", scan.c_str());
-  // Deciding, and held no more: a word about it waits to be heeded.
-  if (scan_ == scan && held_ != scan &&
-      (phase_ == Phase::Scanning || phase_ == Phase::Working || phase_ == Phase::Deciding ||
-       phase_ == Phase::Following))
+  if (in_work_locked(scan) || follows_locked(scan))
     return fail(Errc::WrongState, "%s is in work; mend it when it is done", scan.c_str());
   mending_ = scan;
   return {};
@@ -373,19 +407,20 @@ Result<void> Cockpit::begin_mend(const std::string& scan) {
 void Cockpit::end_mend(const std::string& scan, bool mended, const api::Speaker& who) {
   {
     const std::lock_guard lock{mutex_};
-    if (!mended || held_ != scan) {
+    if (!mended || !holds_locked(scan)) {
       mending_.clear();
       return;
     }
+    // What waits gets its path planned anew; until then nobody can accept it.
+    cell_.on(CellEvent::Plan);
   }
-  // What waits gets its path planned anew; until then nobody can accept it.
   wish({.kind = Wish::Kind::Mended, .scan = scan, .who = who.name, .why = {}, .mark = stops_.at(who.stops)});
 }
 
 Result<int> Cockpit::rerun(const api::RerunOrder& order) {
   {
     const std::lock_guard lock{mutex_};
-    if (scan_ == order.scan && held_ != order.scan && (phase_ == Phase::Scanning || phase_ == Phase::Working))
+    if (in_work_locked(order.scan) && !goes_on_locked(order.scan))
       return fail(Errc::WrongState, "%s is in work; wait for its result", order.scan.c_str());
   }
   return reruns_->add(order);
@@ -396,7 +431,7 @@ Result<api::TriedPath> Cockpit::try_process(const std::string& scan, const path:
     return fail(Errc::WrongState, "no path is planned without an arm; start the service with --robot");
   {
     const std::lock_guard lock{mutex_};
-    if (phase_ == Phase::Following)
+    if (cell_.arm_will_move())
       return fail(Errc::WrongState, "the arm follows a path; try again when it stands");
   }
   BITELINE_ASSIGN(const path::PlanOutcome outcome, try_path(reruns_->room(), scan, process));
@@ -409,8 +444,7 @@ Result<robot::ur::ArmLook> Cockpit::look_at_arm() {
     return fail(Errc::WrongState, "there is no arm to touch with; start the service with --robot");
   {
     const std::lock_guard lock{mutex_};
-    if (phase_ == Phase::Following)
-      return fail(Errc::WrongState, "the arm follows a path; touch when it stands");
+    if (cell_.arm_will_move()) return fail(Errc::WrongState, "the arm follows a path; touch when it stands");
   }
   BITELINE_ASSIGN(const HostPort rtde, parse_host_port(config_.rtde));
   return robot::ur::look_at_arm(rtde.host, rtde.port);

@@ -13,8 +13,32 @@ namespace {
 
 using api::Json;
 
-constexpr std::array k_phases{"starting", "waiting",   "scanning", "working",
-                              "deciding", "following", "stopped",  "fault"};
+const char* phase_of(CellState state, bool on_demand) {
+  switch (state) {
+    case CellState::Starting:
+      return "starting";
+    case CellState::NoSensor:
+    case CellState::NotReady:
+      return "fault";
+    case CellState::Resting:
+      // A fault would take no start.
+      return on_demand ? "waiting" : "fault";
+    case CellState::Idle:
+    case CellState::WaitsForStart:
+      return "waiting";
+    case CellState::Stopped:
+      return "stopped";
+    case CellState::Scanning:
+      return "scanning";
+    case CellState::Working:
+      return "working";
+    case CellState::Held:
+      return "deciding";
+    case CellState::Following:
+      return "following";
+  }
+  return "fault";
+}
 
 Json lamp(const char* level, const std::string& words) {
   return {{"level", level}, {"words", words}};
@@ -54,10 +78,11 @@ Json clock_lamp(const wire::Devices& devices) {
 }  // namespace
 
 Json Cockpit::held_json_locked() const {
-  if (held_.empty()) return nullptr;
+  if (cell_.shoe() != Shoe::Held) return nullptr;
   constexpr std::array k_waits{"word", "path", "model"};
-  Json held{
-      {"scan", held_}, {"waits_for", k_waits.at(static_cast<std::size_t>(wait_))}, {"fresh_s", nullptr}};
+  Json held{{"scan", shoe_scan_},
+            {"waits_for", k_waits.at(static_cast<std::size_t>(waits_))},
+            {"fresh_s", nullptr}};
   if (fresh_until_)
     held["fresh_s"] = std::max(0.0, std::chrono::duration<double>(*fresh_until_ - Clock::now()).count());
   const std::optional<report::ToldRefusal> why = not_sendable_locked();
@@ -72,31 +97,31 @@ Json Cockpit::held_json_locked() const {
 void Cockpit::show_stopped_locked(Json& state) const {
   std::string words = "stopped by " + stopped_by_;
   // An arm that comes to rest is told as it is.
-  if (phase_ == Phase::Following) {
+  if (cell_.arm_moves()) {
     state["now"] = words + "; " + now_;
     return;
   }
   if (!ended_.empty()) words += "; " + ended_ + " waits no longer";
-  state["phase"] = k_phases.at(static_cast<std::size_t>(Phase::Stopped));
   state["now"] = words;
   state["next"] = "start, when the cell is clear";
 }
 
 std::optional<report::ToldRefusal> Cockpit::not_sendable_locked() const {
-  if (wait_ == Wait::Model)
+  if (waits_ == Waits::ForModel)
     return report::ToldRefusal{.reason_code = "model_unknown",
-                               .reason = "the model of " + held_ + " is not known",
+                               .reason = "the model of " + shoe_scan_ + " is not known",
                                .next_step = "choose one, or reject it"};
-  if (wait_ == Wait::Mend)
+  if (waits_ == Waits::ForPath)
     return report::ToldRefusal{.reason_code = {},
-                               .reason = held_ + " has no checked path",
+                               .reason = shoe_scan_ + " has no checked path",
                                .next_step = "mend its line, choose another process, or reject it"};
   if (not_sendable_) return not_sendable_;
   if (!fresh_until_ || Clock::now() < *fresh_until_) return std::nullopt;
   const auto& row = report::refusal_row(robot::Refused::ScanTooOld);
-  return report::ToldRefusal{.reason_code = row.name,
-                             .reason = held_ + " is too old to be sent: somebody may have moved the shoe",
-                             .next_step = row.next_step};
+  return report::ToldRefusal{
+      .reason_code = row.name,
+      .reason = shoe_scan_ + " is too old to be sent: somebody may have moved the shoe",
+      .next_step = row.next_step};
 }
 
 Json Cockpit::state_locked() const {
@@ -125,7 +150,7 @@ Json Cockpit::state_locked() const {
   const bool simulated = hello_ && hello_->simulated;
   Json state{{"version", BITELINE_VERSION},
              {"simulated", simulated},
-             {"phase", k_phases.at(static_cast<std::size_t>(phase_))},
+             {"phase", phase_of(cell_.state(hindrance_), cycle_.on_demand())},
              {"now", now_},
              {"next", next_},
              {"scan", api::or_null(scan_)},
@@ -141,7 +166,7 @@ Json Cockpit::state_locked() const {
   state["held"] = held_json_locked();
   state["offers"] = offers_locked();
   state["day"] = {{"zone", memory::time_zone()}, {"begin", config_.day.begin()}};
-  if (stopped_) show_stopped_locked(state);
+  if (cell_.going() == Going::Stopped) show_stopped_locked(state);
   if (!model_.empty()) state["model"] = {{"name", model_}, {"probability", model_probability_}};
   return state;
 }

@@ -125,6 +125,7 @@ Result<ExitStatus> Service::run(const std::atomic<bool>& stop) {
   if (const Result<int> rows = take_up_rows(cockpit_->memory(), options_.out); !rows) complain(rows.error());
   if (cockpit_->has_doors()) say_step("doors come in at %s", cockpit_->address().c_str());
   BITELINE_TRY(watch_pendant());
+  BITELINE_TRY(watch_clamp());
   take_up_order();
   find_unfinished();
   forget_used_part();
@@ -133,56 +134,144 @@ Result<ExitStatus> Service::run(const std::atomic<bool>& stop) {
     keep_web();
     heed_wishes();
     end_what_was_stopped();
+    look_at_clamp();
     look_at_centre();
-    if (!scan_ && !result_.valid() && !waits() && !unfinished_.empty()) {
+    if (!scan_ && cut_off_.empty() && is_free() && !unfinished_.empty()) {
       const fs::path folder = std::move(unfinished_.front());
       unfinished_.pop_front();
       if (const Result<void> taken = take_up(folder); !taken) complain(taken.error());
       start_result();
-      if (!scan_ && !result_.valid()) continue;
+      if (!scan_ && is_free()) continue;
     }
     const Result<void> heard = hear_sensor();
     if (!heard) {
       link_.reset();
-      sensor_heard_ = false;
       sensor_lost_ = to_line(heard.error());
+      // Light that comes on whenever somebody mends the sensor would surprise whoever asked for it.
+      if (looks() && !scan_) give_up_look(sensor_lost_);
+      cockpit_->enter(CellEvent::Lost);
       cockpit_->lose_sensor(sensor_lost_);
       // With the scan in, nobody waits for the sensor any more.
-      const bool scan_in = scan_ && scan_->intake.ended();
-      if (options_.once && !result_.valid() && !waits() && !scan_in)
-        return tl::unexpected<Error>{heard.error()};
+      const bool scan_in = (scan_ && scan_->intake.ended()) || !cut_off_.empty();
+      if (options_.once && is_free() && !scan_in) return tl::unexpected<Error>{heard.error()};
       complain(heard.error());
       wait_before_retry(stop);
     }
     start_result();
-    if (const std::optional<Result<ExitStatus>> status = result_done()) {
-      if (options_.once && !waits()) return *status;
-      if (!*status) complain(status->error());
-      rest_after(*status);
+    if (std::optional<Worked> worked = result_done()) {
+      held_ = std::move(worked->held);
+      if (!held_) cockpit_->enter(CellEvent::Done);
+      if (options_.once && !held_) return worked->status;
+      if (!worked->status) complain(worked->status.error());
+      rest_after(*worked);
     }
     show_idle();
   }
   cockpit_->halt();
   // An arm that was stopped on the way is no done job, and whoever said stop is told.
   if (!result_.valid()) return ExitStatus::Done;
-  const Result<ExitStatus> last = result_.get();
-  if (!last || options_.once) return last;
+  const Worked last = result_.get();
+  if (!last.status || options_.once) return last.status;
   return ExitStatus::Done;
 }
 
-void Service::start_result() {
-  if (!scan_ || !ready(*scan_) || result_.valid() || waits()) return;
-  result_ = std::async(std::launch::async, [this, scan = std::move(*scan_)]() mutable {
+template <class Work>
+void Service::begin_result(const std::string& scan, Work work) {
+  cockpit_->works(scan);
+  result_ = std::async(std::launch::async, [work = std::move(work)]() mutable {
     pthread_setname_np(pthread_self(), "bl-result");
-    return work_out(std::move(scan));
+    return work();
   });
-  scan_.reset();
-  sensor_idle_ = true;
 }
 
-std::optional<Result<ExitStatus>> Service::result_done() {
+void Service::start_result() {
+  if (result_.valid()) return;
+  const bool whole = scan_ && ready(*scan_);
+  if (!whole && cut_off_.empty()) return;
+  const bool look = cut_off_.empty() ? scan_->look : cut_off_.front().look;
+  if (held_ && !look) return;
+  Scan scan = cut_off_.empty() ? std::move(*scan_) : std::move(cut_off_.front());
+  if (cut_off_.empty()) {
+    scan_.reset();
+    cockpit_->enter(CellEvent::ScanIsIn);
+  } else {
+    cut_off_.pop_front();
+  }
+  if (look) {
+    // What it was to show has been stopped.
+    if (!looks()) return scan.intake.forget();
+    result_ =
+        std::async(std::launch::async, [this, held = std::move(*held_), scan = std::move(scan)]() mutable {
+          pthread_setname_np(pthread_self(), "bl-result");
+          return look_at_held(std::move(held), std::move(scan));
+        });
+    held_.reset();
+    return;
+  }
+  const std::string name = scan.folder.filename().string();
+  begin_result(name, [this, scan = std::move(scan)]() mutable { return work_out(std::move(scan)); });
+}
+
+std::optional<Service::Worked> Service::result_done() {
   if (!result_.valid() || result_.wait_for(Nanoseconds{0}) != std::future_status::ready) return std::nullopt;
   return result_.get();
+}
+
+void Service::end_what_was_stopped() {
+  if (result_.valid() || !held_) return;
+  // A line that is being mended is a whole one when its row is written.
+  if (!held_->scan.mark.stopped() || cockpit_->mends(held_->name())) return;
+  // Not here: the memory may be slow, and the sensor must hear this thread.
+  begin_result(held_->name(), [this, held = std::move(*held_)]() mutable -> Worked {
+    say_step("%s waits no longer: it was stopped", held.name().c_str());
+    end_recording(held.scan.intake, ExitStatus::Refused);
+    const Remembered told = remember(held.scan.folder, "open", held.scan.chosen, {.stopped = true});
+    return {.status = ExitStatus::Refused, .held = {}, .end = told.end};
+  });
+  held_.reset();
+}
+
+std::optional<Service::HeldScan> Service::take_held(const Wish& wish) {
+  if (held_ && held_->name() == wish.scan) return std::exchange(held_, std::nullopt);
+  // Else what the cell shows would not be what is.
+  if (held_) tell_aside(false);
+  return std::nullopt;
+}
+
+void Service::go_on(const Wish& wish, HeldScan held) {
+  const robot::Word word{.by = wish.who, .at = utc_now()};
+  const auto begin = [&](const char* words, auto work) {
+    say_step("%s %s by %s", wish.scan.c_str(), words, wish.who.c_str());
+    result_ = std::async(std::launch::async, [held = std::move(held), work = std::move(work)]() mutable {
+      pthread_setname_np(pthread_self(), "bl-result");
+      return work(std::move(held));
+    });
+  };
+  switch (wish.kind) {
+    case Wish::Kind::Send:
+      return begin("is accepted", [this, word](HeldScan one) { return send_held(std::move(one), word); });
+    case Wish::Kind::Air:
+      return begin("is run in the air",
+                   [this, word](HeldScan one) { return run_in_air(std::move(one), word); });
+    case Wish::Kind::Mended:
+      return begin("has its line mended", [this](HeldScan one) { return plan_mended(std::move(one)); });
+    case Wish::Kind::Model:
+      return begin(("is named " + wish.job.model).c_str(), [this, model = wish.job.model](HeldScan one) {
+        return work_named(std::move(one), model);
+      });
+    case Wish::Kind::Process:
+      return begin("gets another process", [this, process = wish.job.process, who = wish.who](HeldScan one) {
+        return one.planned() ? plan_with(std::move(one), process, who)
+                             : work_with(std::move(one), process, who);
+      });
+    case Wish::Kind::Look:
+      // The sensor is asked when it is next heard; until then it stays here.
+      say_step("%s is looked at again by %s", wish.scan.c_str(), wish.who.c_str());
+      held_.emplace(std::move(held));
+      return;
+    default:
+      held_.emplace(std::move(held));
+  }
 }
 
 }  // namespace biteline::service

@@ -8,12 +8,14 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <variant>
 
 #include "common/core/result.hpp"
 #include "host/apps/biteline-host/cockpit.hpp"
 #include "host/apps/biteline-host/confirm.hpp"
 #include "host/apps/biteline-host/options.hpp"
 #include "host/apps/biteline-host/recognise.hpp"
+#include "host/apps/biteline-host/send_step.hpp"
 #include "host/apps/biteline-host/steps.hpp"
 #include "host/apps/biteline-host/taken_process.hpp"
 #include "host/apps/biteline-host/told_once.hpp"
@@ -28,6 +30,7 @@
 #include "host/records/report/refusal.hpp"
 #include "host/robot/kinematics/arm_model.hpp"
 #include "host/robot/link/ur/arm_claim.hpp"
+#include "host/robot/link/ur/clamp_watch.hpp"
 #include "host/robot/link/ur/pendant_watch.hpp"
 #include "host/robot/path/process.hpp"
 #include "host/robot/path/zones.hpp"
@@ -97,11 +100,7 @@ class Service {
     std::future<Result<drift::Evidence>> calibration{};
     bool calibration_checked{false};
     std::future<ArmSeen> arm_seen{};  ///< after the scan, asked meanwhile
-  };
-  /// Of the sensor, for a scan that has neither begun nor been refused.
-  struct Asked {
-    robot::StopMark mark{};
-    int connection{0};
+    bool look{false};                 ///< at what is held, and no shoe of its own
   };
   /// No scan is asked for at once: the machine spoilt the last one, or the sensor did not begin it.
   struct Rest {
@@ -114,13 +113,38 @@ class Service {
     report::EndedBy who{report::EndedBy::Nobody};
     report::ToldRefusal told{};
   };
-  /// A checked path that waits for a person's word.
-  struct Held {
-    std::filesystem::path folder;
-    intake::ScanIntake intake;
+  /// With a checked path, or with none yet (`plan.outcome.path`).
+  struct Planned {
     PlanStep plan;
     SendRequest request;
-    Chosen chosen;
+  };
+  /// A person is to name its model.
+  struct Unnamed {
+    intake::ScanOutcome outcome;
+    LineStep line;
+  };
+  /// A scan that waits for a person.
+  struct HeldScan {
+    Scan scan;
+    std::variant<Planned, Unnamed> what;
+
+    std::string look_words{};  ///< what came of the last look at it; empty: none was taken
+
+    [[nodiscard]] std::string name() const { return scan.folder.filename().string(); }
+    [[nodiscard]] Planned* planned() { return std::get_if<Planned>(&what); }
+    [[nodiscard]] const Planned* planned() const { return std::get_if<Planned>(&what); }
+    [[nodiscard]] Unnamed* unnamed() { return std::get_if<Unnamed>(&what); }
+  };
+  /// What the result's thread leaves.
+  struct Worked {
+    Result<ExitStatus> status;
+    std::optional<HeldScan> held{};  ///< it waits for a person, again or for the first time
+    LastEnd end{};
+  };
+  /// A line and perhaps a path, before the scan's row is written.
+  struct WorkedOut {
+    Result<ExitStatus> status;
+    std::optional<HeldScan> held{};
   };
   /// What the next scan is worked with, and whose word that is.  It outlives the service.
   struct Ordered {
@@ -131,12 +155,6 @@ class Service {
     std::string sha256{};         ///< of that process
     robot::StopMark part_mark{};  ///< of when the part number was said: a stop ends it
     memory::UnixMs part_said{0};  ///< the same for a service after this one
-  };
-  /// A scan that waits until a person names its model.
-  struct Unnamed {
-    Scan scan;
-    intake::ScanOutcome outcome;
-    LineStep line;
   };
   /// What the service alone may use while it lives.
   struct Locks {
@@ -157,7 +175,7 @@ class Service {
   [[nodiscard]] Result<void> on_refused_start(const std::string& why);
   /// After a scan that the machine spoilt: the next one is asked for later, and later each time.  A start is
   /// a person's word to ask at once; where each scan has its own start nothing is asked for by itself.
-  void rest_after(const Result<ExitStatus>& status);
+  void rest_after(const Worked& worked);
   void rest(const std::string& words, const std::string& next_step);
   [[nodiscard]] bool rests();
   /// Goes on with a scan as far as it has come.
@@ -176,31 +194,55 @@ class Service {
   void heed(const Wish& wish);
   /// What waits for a person and comes of a start before a stop waits no longer: its row says so.
   void end_what_was_stopped();
-  /// Of what is held: `work` gets it on the result's thread.
-  template <class Work>
-  void go_on_with_held(const Wish& wish, const char* words, Work work);
+  /// The scan that the wish is about, or nothing where it is not held any more; then doors are told what is.
+  [[nodiscard]] std::optional<HeldScan> take_held(const Wish& wish);
+  /// What is held goes on with a person's word, on the result's thread.
+  void go_on(const Wish& wish, HeldScan held);
   /// The arm is there, of the right kind and in remote control, or there is none; asked before a scan is
   /// spent.
   [[nodiscard]] bool robot_ready();
   /// From now on whoever takes local control at the pendant says stop.
   [[nodiscard]] Result<void> watch_pendant();
+  [[nodiscard]] Result<void> watch_clamp();
   /// biteline-web beside this service, and again when it ended.
   void keep_web();
   void show_idle();
   /// What the uplink was told by the factory's centre: to the page, the log and stdout.
   void look_at_centre();
-  /// From now on doors may decide what is held.  Pre: waits().  Thread: whose held_ is, the result's or main.
-  void tell_held();
+  /// From now on doors may decide about it.  `again`: only where they may already.  Thread: any.
+  void tell_held(const HeldScan& held, bool again = false);
 
+  // A look at what is held (service_look.cpp).
+  /// A person has asked for one, and the sensor is to be asked, or has begun.
+  [[nodiscard]] bool looks() const;
+  /// Pre: looks().
+  [[nodiscard]] Result<void> begin_look(const intake::Hello& hello);
+  /// It waits on as before.  Pre: looks().
+  void give_up_look(const std::string& why);
+  /// On the result's thread.
+  [[nodiscard]] Worked look_at_held(HeldScan held, Scan look);
+  /// Doors are told what changes with it.
+  void look_at_clamp();
+
+  /// Doors are told of what is held, on the result's thread: its files are read for that.  Pre: it is held,
+  /// and no result is worked out.
+  void tell_aside(bool again);
   /// Begins to work out a scan that is complete, once the result before it is done.
   void start_result();
-  /// The status of a result that has just been done.
-  [[nodiscard]] std::optional<Result<ExitStatus>> result_done();
+  /// On the result's thread.  Pre: it is free.
+  template <class Work>
+  void begin_result(const std::string& scan, Work work);
+  /// Nothing is in work, and nothing waits.
+  [[nodiscard]] bool is_free() const { return !result_.valid() && !held_; }
+  /// What the result's thread left, once.
+  [[nodiscard]] std::optional<Worked> result_done();
   /// Whatever the scan does to it: a result, or a report that says why there is none.
-  [[nodiscard]] Result<ExitStatus> work_out(Scan scan);
-  [[nodiscard]] Result<ExitStatus> work_out_files(Scan& scan);
+  [[nodiscard]] Worked work_out(Scan scan);
+  [[nodiscard]] WorkedOut work_out_files(Scan& scan);
   /// The row of what was worked out, and room for the next.
-  void close_result(const std::filesystem::path& folder, Chosen chosen);
+  [[nodiscard]] Worked close_result(WorkedOut out, const std::filesystem::path& folder, Chosen chosen);
+  /// It waits again: its row says so.
+  [[nodiscard]] Worked hold_again(Result<ExitStatus> status, HeldScan held, const std::string& failed = {});
   [[nodiscard]] KnownBefore known_before() const;
   void keep_arm(const Scan& scan, const LineStep& step) const;
   [[nodiscard]] Result<LineStep> work_out_line(Scan& scan, intake::ScanOutcome& outcome);
@@ -260,41 +302,59 @@ class Service {
   [[nodiscard]] bool holds_arm() const;
   /// What was taught; one that cannot be read is an Error, so that nothing is planned or sent unchecked.
   [[nodiscard]] Result<path::Mounted> mounted() const;
-  /// `held`: it waits for a person in any case, also without a path.
-  [[nodiscard]] Result<ExitStatus> work_out_path(Scan& scan, const intake::ScanOutcome& outcome,
-                                                 LineStep& line, bool held = false);
+  /// `waits`: it waits for a person in any case, also without a path.
+  [[nodiscard]] Result<WorkedOut> work_out_path(Scan& scan, const intake::ScanOutcome& outcome,
+                                                LineStep& line, bool waits);
+  /// The same; an exception of it is an Error.
+  [[nodiscard]] WorkedOut path_without_exceptions(Scan& scan, const intake::ScanOutcome& outcome,
+                                                  LineStep& line, bool waits);
+  /// Without the arm's claim a path is refused.
+  [[nodiscard]] SendRequest send_request(const Scan& scan, const intake::ScanOutcome& outcome,
+                                         const LineStep& line, const path::Mounted& taught) const;
+  /// Why a person has to look though nobody asked for it; empty: no reason.
+  [[nodiscard]] std::string looks_of(const Chosen& chosen) const;
   /// With the line as it stands in the folder, mended or not, and the request's process.
-  [[nodiscard]] Result<ExitStatus> plan_anew(Held& held);
+  [[nodiscard]] Result<ExitStatus> plan_anew(HeldScan& held);
   /// The files are what the service, or a mend, wrote; Errc::WrongState names the one that is not.
-  [[nodiscard]] Result<void> look_at_files(Held& held);
-  /// Plans what waits anew, with the line that a person has mended, and lets it wait again.
-  [[nodiscard]] Result<ExitStatus> plan_mended(Held held);
+  [[nodiscard]] Result<void> look_at_files(HeldScan& held);
+  // Of what waits, from here to send_held(): the result's thread.  Pre: it is planned; of work_named() and
+  // work_with() that its model is not known.
+  /// Plans it anew, with the line that a person has mended, and lets it wait again.
+  [[nodiscard]] Worked plan_mended(HeldScan held);
   /// Goes on with a scan whose model a person has named; it waits again where that model cannot be read.
-  [[nodiscard]] Result<ExitStatus> work_named(Unnamed unnamed, const std::string& model);
-  /// What is taught (service_teach.cpp): plans what waits anew with another process.
-  [[nodiscard]] Result<ExitStatus> plan_with(Held held, const std::string& process, const std::string& who);
+  [[nodiscard]] Worked work_named(HeldScan held, const std::string& model);
+  /// What is taught (service_teach.cpp): plans it anew with another process.
+  [[nodiscard]] Worked plan_with(HeldScan held, const std::string& process, const std::string& who);
   /// The same of a scan whose model nobody knows: it goes on without one.
-  [[nodiscard]] Result<ExitStatus> work_with(Unnamed unnamed, const std::string& process,
-                                             const std::string& who);
-  /// The arm runs what waits in the air; its outcome stands in the scan's folder `air`.
-  [[nodiscard]] Result<ExitStatus> run_in_air(Held held, const robot::Word& word);
-  /// Something waits for a person.
-  [[nodiscard]] bool waits() const { return held_ || unnamed_; }
-  /// Sends what waited, with a person's word.
-  [[nodiscard]] Result<ExitStatus> send_held(Held held, const robot::Word& word);
+  [[nodiscard]] Worked work_with(HeldScan held, const std::string& process, const std::string& who);
+  /// The arm runs it in the air; its outcome stands in the scan's folder `air`.
+  [[nodiscard]] Worked run_in_air(HeldScan held, const robot::Word& word);
+  /// Sends it, with a person's word.
+  [[nodiscard]] Worked send_held(HeldScan held, const robot::Word& word);
+  /// Of the shoe and its release, for another model or process.
+  [[nodiscard]] static Chosen chosen_anew(const Chosen& before);
+  /// Nothing has come of a word: it waits as before.
+  [[nodiscard]] Worked wait_on(HeldScan held, Error error);
   /// What a scan's row says beside its report.
   struct After {
     bool stopped{false};   ///< it waited, and a stop has ended that
     std::string failed{};  ///< why nothing came of a person's word
   };
   /// The scan's row, of its folder; a memory that cannot take it is told, and costs no scan.
-  void remember(const std::filesystem::path& folder, const std::string& decision, const Chosen& chosen,
-                const After& after);
+  /// `held`: it waits, and doors hear of it with its row; false: not any more, as a person's word says.
+  struct Remembered {
+    bool waits{false};
+    LastEnd end{};
+  };
+  [[nodiscard]] Remembered remember(const std::filesystem::path& folder, const std::string& decision,
+                                    const Chosen& chosen, const After& after, const HeldScan* held = nullptr);
   /// The scan is done with: its messages stay or go.
   void end_recording(intake::ScanIntake& intake, ExitStatus status);
   [[nodiscard]] robot::ScanFacts facts_of(const Scan& scan, const intake::ScanOutcome& outcome) const;
   /// Removes the folders that retention lets go.
   [[nodiscard]] Result<void> make_room() const;
+  /// It has said hello on this link.
+  [[nodiscard]] bool sensor_hears() const;
   /// Counts every connection to the sensor, also those that came back by themselves.
   [[nodiscard]] int connection() const;
   /// Its end is in, and the sensor has said how its light ended.
@@ -316,16 +376,15 @@ class Service {
   std::unique_ptr<Cockpit> cockpit_;
   std::optional<Confirm> confirm_;                      ///< until it is used up
   std::unique_ptr<robot::ur::PendantWatch> pendant_{};  ///< of an arm that paths are sent to
+  std::unique_ptr<robot::ur::ClampWatch> clamp_{};      ///< where the cell has one that tells
+  bool clamp_holds_{false};                             ///< as doors were told
   std::deque<std::filesystem::path> unfinished_;        ///< folders, still to be taken up
   std::unique_ptr<intake::SensorLink> link_;
-  std::optional<Scan> scan_;  ///< coming in
-  int links_{0};              ///< opened to the sensor so far
-  bool sensor_idle_{false};   ///< it waits to be asked for a scan
-  std::optional<Asked> asked_{};
-  std::vector<Wish> later_{};       ///< of what is held, until the result's thread has ended
-  bool told_held_{false};           ///< doors know that a scan waits
-  std::optional<Held> held_;        ///< by the result's thread; read when that is done
-  std::optional<Unnamed> unnamed_;  ///< the same
+  std::optional<Scan> scan_;                ///< coming in
+  int links_{0};                            ///< opened to the sensor so far
+  std::deque<Scan> cut_off_;                ///< nothing more comes of them
+  std::optional<robot::StopMark> asked_{};  ///< of the start whose scan has neither begun nor been refused
+  std::optional<HeldScan> held_;
   std::optional<intake::ChildProcess> web_;
   HostClock::time_point web_started_{}, web_next_{};
   HostClock::time_point centre_looked_{};
@@ -337,7 +396,6 @@ class Service {
   ToldOnce spoilt_;          ///< of scans that do not come, or are no use; the same
   std::optional<Rest> rest_{};
   std::string sensor_lost_;  ///< why; empty: nobody has called it, or it is heard
-  LastEnd last_end_{};       ///< by the result's thread; read when that is done
   std::unique_ptr<std::mutex> job_mutex_{std::make_unique<std::mutex>()};
   Ordered ordered_;  ///< chosen at a door; read by the result's thread
   /// Of the last start or scan: what a shoe that is scanned again is called.
@@ -347,9 +405,8 @@ class Service {
   };
   AtTheCell shoe_;
   HostClock::time_point next_shown_{};  ///< what the next shoe is worked with; the same mutex
-  bool sensor_heard_{false};            ///< on this connection
   std::future<std::filesystem::path> next_folder_;
-  std::future<Result<ExitStatus>> result_;  ///< being worked out; last: its thread uses the rest
+  std::future<Worked> result_;  ///< being worked out; last: its thread uses the rest
 };
 
 }  // namespace biteline::service

@@ -23,8 +23,8 @@ std::optional<std::string> changed_files(const fs::path& folder, const memory::E
 
 }  // namespace
 
-void Service::remember(const fs::path& folder, const std::string& decision, const Chosen& chosen,
-                       const After& after) {
+Service::Remembered Service::remember(const fs::path& folder, const std::string& decision,
+                                      const Chosen& chosen, const After& after, const HeldScan* held) {
   std::optional<memory::Scan> row = row_of(folder);
   if (!row) {
     // No report: a device or the disk failed, not the scan.
@@ -50,7 +50,7 @@ void Service::remember(const fs::path& folder, const std::string& decision, cons
   }
   // What was sent says itself whose yes it went by.
   if (!row->sent || decision == "accepted") row->decision = decision;
-  bool still_held = decision == "held";
+  bool still_held = held != nullptr;
   if (before && *before) {
     // A person's word stands.
     if (!(*before)->decided_by.empty()) row->decided_by = (*before)->decided_by;
@@ -130,12 +130,14 @@ void Service::remember(const fs::path& folder, const std::string& decision, cons
     if (const Result<void> kept = cockpit_->memory().put_evidence(row->name, chosen.written); !kept)
       complain(kept.error());
   }
-  if (still_held) tell_held();
+  if (still_held) tell_held(*held);
   words.unlock();
-  last_end_ = {.who = memory::ended_by(*row),
-               .told = {.reason_code = row->reason_code, .reason = row->reason, .next_step = row->next_step}};
   if (!still_held) cockpit_->end_cycle(*row);
   cockpit_->tell_scan(row->name);
+  return {
+      .waits = still_held,
+      .end = {.who = memory::ended_by(*row),
+              .told = {.reason_code = row->reason_code, .reason = row->reason, .next_step = row->next_step}}};
 }
 
 Result<void> Service::make_room() const {

@@ -26,32 +26,51 @@ std::string hash_of(const std::optional<release::InForce>& release) {
 
 }  // namespace
 
-Result<ExitStatus> Service::work_out(Scan scan) {
-  const std::string name = scan.folder.filename().string();
-  cockpit_->show(Phase::Working, "works out the line of " + name, robot_ ? "its path" : "the next scan");
+Service::Worked Service::work_out(Scan scan) {
+  cockpit_->show("works out the line of " + scan.folder.filename().string(),
+                 robot_ ? "its path" : "the next scan");
   const fs::path folder = scan.folder;
-  Result<ExitStatus> status = work_out_files(scan);
-  close_result(folder, unnamed_ ? unnamed_->scan.chosen : scan.chosen);
-  return status;
+  WorkedOut out = work_out_files(scan);
+  Chosen chosen = out.held ? out.held->scan.chosen : scan.chosen;
+  return close_result(std::move(out), folder, std::move(chosen));
 }
 
-void Service::close_result(const fs::path& folder, Chosen chosen) {
+Service::Worked Service::close_result(WorkedOut out, const fs::path& folder, Chosen chosen) {
   const ShoeWords shoe{.part = chosen.part, .foot = chosen.foot, .size = chosen.size};
   if (const Result<void> told = tell_shoe(folder, shoe); !told) complain(told.error());
   // From here on nobody but a mend writes them.
   if (const Result<memory::Evidence> now = evidence::of_folder(folder)) {
     if (chosen.written == memory::Evidence{}) chosen.written = *now;
     chosen.written.report = now->report;
-    if (held_) held_->chosen.written = held_->request.written = chosen.written;
+    if (out.held) out.held->scan.chosen.written = chosen.written;
+    if (Planned* const planned = out.held ? out.held->planned() : nullptr)
+      planned->request.written = chosen.written;
   } else {
     complain(now.error());
   }
-  remember(folder, waits() ? "held" : "open", chosen, {});
+  const Remembered told =
+      remember(folder, out.held ? "held" : "open", chosen, {}, out.held ? &*out.held : nullptr);
+  if (!told.waits) out.held.reset();
   if (const Result<void> room = make_room(); !room) complain(room.error());
+  return {.status = std::move(out.status), .held = std::move(out.held), .end = told.end};
 }
 
-Result<ExitStatus> Service::work_out_files(Scan& scan) {
-  BITELINE_TRY(mark_attempt(scan.folder));
+Service::Worked Service::hold_again(Result<ExitStatus> status, HeldScan held, const std::string& failed) {
+  const Remembered told = remember(held.scan.folder, "held", held.scan.chosen, {.failed = failed}, &held);
+  Worked worked{.status = std::move(status), .held = {}, .end = told.end};
+  if (told.waits) worked.held.emplace(std::move(held));
+  return worked;
+}
+
+Service::Worked Service::wait_on(HeldScan held, Error error) {
+  tell_held(held);
+  cockpit_->tell_scan(held.name());
+  return {.status = tl::unexpected<Error>{std::move(error)}, .held = std::move(held)};
+}
+
+Service::WorkedOut Service::work_out_files(Scan& scan) {
+  if (const Result<void> marked = mark_attempt(scan.folder); !marked)
+    return {.status = tl::unexpected<Error>{marked.error()}};
   intake::ScanOutcome outcome;
   LineStep line;
   const auto path_follows = [&] {
@@ -62,6 +81,7 @@ Result<ExitStatus> Service::work_out_files(Scan& scan) {
     if (robot_ && robot_->options.send)
       scan.arm_seen = std::async(std::launch::async, see_arm, controller_of(robot_->options), robot_->arm);
     BITELINE_ASSIGN(line, work_out_line(scan, outcome));
+    scan.line.reset();
     if (!path_follows()) BITELINE_TRY(line.pages.write(outcome.cloud));
     return line.status;
   });
@@ -70,33 +90,43 @@ Result<ExitStatus> Service::work_out_files(Scan& scan) {
     // A disk that is full or a folder that is gone is not the scan's fault: it is taken up again.
     const bool own_fault = status.error().code != Errc::DiskFull && status.error().code != Errc::WriteFailed;
     if (!own_fault) clear_attempt(scan.folder);
-    if (!own_fault || !set_aside(scan.folder, to_line(status.error()))) return status;
-    return ExitStatus::Refused;
+    if (!own_fault || !set_aside(scan.folder, to_line(status.error()))) return {.status = std::move(status)};
+    return {.status = ExitStatus::Refused};
   }
   clear_attempt(scan.folder);
   if (!scan.chosen.unknown.empty()) {
     say_step("%s is held: its model is not known: %s", scan.folder.filename().c_str(),
              scan.chosen.unknown.c_str());
-    unnamed_.emplace(
-        Unnamed{.scan = std::move(scan), .outcome = std::move(outcome), .line = std::move(line)});
-    return ExitStatus::Done;
+    return {.status = ExitStatus::Done,
+            .held = HeldScan{.scan = std::move(scan),
+                             .what = Unnamed{.outcome = std::move(outcome), .line = std::move(line)}}};
   }
   if (!line.line || !robot_) {
     end_recording(scan.intake, *status);
-    return status;
+    return {.status = std::move(status)};
   }
   const bool review = line.status == ExitStatus::Review;
-  status =
-      without_exceptions([&] { return work_out_path(scan, outcome, line, review && cockpit_->has_doors()); });
+  WorkedOut out = path_without_exceptions(scan, outcome, line, review && cockpit_->has_doors());
   // No path is planned along it, and that is not why it ends.
-  if (status && review && !held_) status = ExitStatus::Review;
+  if (out.status && review && !out.held) out.status = ExitStatus::Review;
   const Result<ExitStatus> pages = without_exceptions([&]() -> Result<ExitStatus> {
     BITELINE_TRY(line.pages.write(outcome.cloud));
     return ExitStatus::Done;
   });
   if (!pages) complain(pages.error());
-  check_own_calibration(scan, outcome);
-  return status;
+  check_own_calibration(out.held ? out.held->scan : scan, outcome);
+  return out;
+}
+
+Service::WorkedOut Service::path_without_exceptions(Scan& scan, const intake::ScanOutcome& outcome,
+                                                    LineStep& line, bool waits) {
+  WorkedOut out{.status = ExitStatus::Refused};
+  const Result<ExitStatus> status = without_exceptions([&]() -> Result<ExitStatus> {
+    BITELINE_ASSIGN(out, work_out_path(scan, outcome, line, waits));
+    return out.status;
+  });
+  if (!status) out.status = tl::unexpected<Error>{status.error()};
+  return out;
 }
 
 Result<void> Service::choose_release(Chosen& chosen) const {
@@ -286,35 +316,29 @@ const TakenProcess& Service::taken_of(const Chosen& chosen) const {
   return chosen.process ? *chosen.process : robot_->process;
 }
 
-Result<ExitStatus> Service::work_named(Unnamed unnamed, const std::string& model) {
-  Scan& scan = unnamed.scan;
-  const fs::path folder = scan.folder;
-  const std::string name = folder.filename().string();
-  cockpit_->show(Phase::Working, "works out " + name + " as " + model, robot_ ? "its path" : "the next scan");
-  Chosen chosen;
+Service::Worked Service::work_named(HeldScan held, const std::string& model) {
+  const fs::path folder = held.scan.folder;
+  Unnamed& unnamed = *held.unnamed();
+  cockpit_->show("works out " + held.name() + " as " + model, robot_ ? "its path" : "the next scan");
+  Chosen chosen = chosen_anew(held.scan.chosen);
   // A job's process stays the job's, as where the model is recognised.
-  chosen.process_name = scan.chosen.process_name;
-  chosen.process_by = scan.chosen.process_by;
-  chosen.taught = scan.chosen.taught;
-  chosen.taught_model = scan.chosen.taught_model;
-  chosen.part = scan.chosen.part;
-  chosen.told_twice = scan.chosen.told_twice;
-  // Of the release that it was looked for in.
-  chosen.release = scan.chosen.release;
+  chosen.process_name = held.scan.chosen.process_name;
+  chosen.process_by = held.scan.chosen.process_by;
+  chosen.taught = held.scan.chosen.taught;
+  chosen.taught_model = held.scan.chosen.taught_model;
   const transfer::Library library = stock_for(chosen).models;
   const Result<Recognised> named = take_named(library, unnamed.outcome.cloud, {.model = model});
-  if (named) chosen.take(*named);
-  Result<transfer::SampleFiles> sample =
-      named ? library.load(chosen.sample) : Result<transfer::SampleFiles>{tl::unexpected{named.error()}};
-  const Result<void> process = sample ? choose_process(chosen) : Result<void>{};
-  if (!sample || !process) {
-    Error error = sample ? process.error() : sample.error();
-    unnamed_.emplace(std::move(unnamed));
-    return tl::unexpected<Error>{std::move(error)};
-  }
+  if (!named) return wait_on(std::move(held), named.error());
+  chosen.take(*named);
+  Result<transfer::SampleFiles> sample = library.load(chosen.sample);
+  if (!sample) return wait_on(std::move(held), sample.error());
+  if (const Result<void> process = choose_process(chosen); !process)
+    return wait_on(std::move(held), process.error());
   look_at_other_process(chosen);
-  scan.chosen = chosen;
-  cockpit_->show_model(chosen.model, 1, {chosen.process_name, chosen.process_by});
+  Scan scan = std::move(held.scan);
+  scan.chosen = std::move(chosen);
+  cockpit_->show_model(scan.chosen.model, 1, {scan.chosen.process_name, scan.chosen.process_by});
+  WorkedOut out{.status = ExitStatus::Refused};
   const Result<ExitStatus> status = without_exceptions([&]() -> Result<ExitStatus> {
     const bool was_line = unnamed.line.line.has_value();
     const bool for_review = unnamed.line.status == ExitStatus::Review;
@@ -326,13 +350,16 @@ Result<ExitStatus> Service::work_named(Unnamed unnamed, const std::string& model
       scan.calibration_checked = false;
       check_own_calibration(scan, unnamed.outcome);
     }
-    if (line.line && robot_)
-      return work_out_path(scan, unnamed.outcome, line, line.status == ExitStatus::Review);
+    if (line.line && robot_) {
+      BITELINE_ASSIGN(out, work_out_path(scan, unnamed.outcome, line, line.status == ExitStatus::Review));
+      return out.status;
+    }
     end_recording(scan.intake, line.status);
     return line.status;
   });
-  close_result(folder, scan.chosen);
-  return status;
+  out.status = status;
+  Chosen worked = out.held ? out.held->scan.chosen : scan.chosen;
+  return close_result(std::move(out), folder, std::move(worked));
 }
 
 void Service::end_recording(intake::ScanIntake& intake, ExitStatus status) {

@@ -41,17 +41,15 @@ Result<void> Service::hear_sensor() {
     config.protocol.acknowledge_by_itself = false;
     if (scan_) config.protocol.resume = scan_->intake.position();
     BITELINE_ASSIGN(link_, intake::SensorLink::open(config));
-    ++links_;
-    sensor_idle_ = false;
+    if (links_++ > 0) cockpit_->enter(CellEvent::Lost);
   }
   // The next scan only once the arm is out of its way, and what was left of earlier ones is done.
-  // What was asked for on a connection that is gone may never have come there.
-  const bool asks = asked_ && asked_->connection == connection();
-  if (sensor_idle_ && !asks && !scan_ && !result_.valid() && !waits() && unfinished_.empty() &&
-      !cockpit_->paused() && !rests()) {
+  const bool next_scan = is_free() && unfinished_.empty() && !rests();
+  if (cockpit_->cell().may_ask() && !scan_ && cut_off_.empty() && (next_scan || looks())) {
     // A robot that is not ready would cost a scan that nobody can use.
     if (!robot_ready()) {
       // A start that takes effect whenever somebody mends the robot would surprise him.
+      if (!robot_moves_ && looks()) give_up_look("the robot is not ready: " + robot_wrong_);
       if (!robot_moves_) cockpit_->give_up_start();
       if (options_.once && !robot_moves_)
         return fail(Errc::DeviceError, "robot %s: it is not ready", robot_->options.script.c_str());
@@ -60,12 +58,13 @@ Result<void> Service::hear_sensor() {
       return {};
     }
     // A stop that came while the robot was asked is one.
-    if (const std::optional<robot::StopMark> mark = cockpit_->begin_cycle()) {
-      sensor_idle_ = false;
+    const std::optional<robot::StopMark> mark = looks() ? held_->scan.mark : cockpit_->begin_cycle();
+    if (mark && !mark->stopped()) {
+      cockpit_->enter(CellEvent::Asks);
       // Before the light, which may come before the scan does.
       say_step("asks for a scan");
       // Should the scan that was asked for before begin after all, it is as old as that.
-      asked_ = Asked{.mark = asked_ ? asked_->mark : *mark, .connection = connection()};
+      asked_ = asked_.value_or(*mark);
       link_->command({.id = k_start_id, .command = wire::Command::StartScan});
     }
   }
@@ -77,7 +76,6 @@ Result<void> Service::hear_sensor() {
 
 Result<void> Service::on_event(const intake::LinkEvent& event) {
   if (const auto* hello = std::get_if<intake::Hello>(&event)) {
-    sensor_heard_ = true;
     sensor_lost_.clear();
     cockpit_->hear(hello->sensor);
     return on_hello(*hello);
@@ -119,9 +117,8 @@ Result<void> Service::on_hello(const intake::Hello& hello) {
     Scan cut_off = std::move(*scan_);
     if (cut_off.stopped_by.empty() && cut_off.mark.stopped()) cut_off.stopped_by = k_somebody;
     scan_.reset();
-    const Result<ExitStatus> status = work_out(std::move(cut_off));
-    rest_after(status);
-    BITELINE_TRY(status);
+    cut_off_.push_back(std::move(cut_off));
+    cockpit_->enter(CellEvent::ScanIsIn);
   }
   if (scan_) {
     say_step("goes on with %s at profile %llu", scan_->folder.filename().c_str(),
@@ -131,10 +128,11 @@ Result<void> Service::on_hello(const intake::Hello& hello) {
   const bool has_scan = hello.scan_id != 0 && (hello.sensor.scanning || hello.sensor.lossless);
   if (!has_scan) {
     say_step("connected to %s%s", hello.sensor.name.c_str(), hello.sensor.simulated ? " (simulated)" : "");
-    sensor_idle_ = true;
+    cockpit_->enter(CellEvent::Heard);
     asked_.reset();
     return {};
   }
+  if (looks()) return begin_look(hello);
   const fs::path folder = take_next_folder();
   BITELINE_TRY(report::prepare_folder(folder));
   look_for_next_folder();
@@ -151,17 +149,22 @@ Result<void> Service::on_refused_start(const std::string& why) {
   const Result<void> no = fail(Errc::PeerRefused, "the sensor does not begin a scan: %s", why.c_str());
   if (options_.once) return no;
   complain(no.error());
+  if (looks()) {
+    cockpit_->enter(CellEvent::Refuses);
+    give_up_look("the sensor does not begin: " + why);
+    return {};
+  }
   // It is there and says why: the link stays.
   cockpit_->give_up_start();
-  sensor_idle_ = true;
+  cockpit_->enter(CellEvent::Refuses);
   rest("the sensor does not begin a scan: " + why, "mend what it names");
   return {};
 }
 
-void Service::rest_after(const Result<ExitStatus>& status) {
-  LastEnd end = std::exchange(last_end_, {});
-  if (waits() || end.who == report::EndedBy::Person) return;
-  if (!status) {
+void Service::rest_after(const Worked& worked) {
+  LastEnd end = worked.end;
+  if (held_ || end.who == report::EndedBy::Person) return;
+  if (const Result<ExitStatus>& status = worked.status; !status) {
     end.who = report::EndedBy::Machine;
     if (end.told.reason.empty())
       end.told = {.reason_code = {},
@@ -194,10 +197,10 @@ bool Service::rests() {
 
 void Service::hold_scan(const fs::path& folder, intake::ScanIntake intake) {
   rest_.reset();
-  cockpit_->show_scan(folder.filename().string());
-  cockpit_->show(Phase::Scanning, folder.filename().string() + " comes in", "its line");
+  cockpit_->scan_begins(folder.filename().string());
+  cockpit_->show(folder.filename().string() + " comes in", "its line");
   scan_.emplace(Scan{.folder = folder, .intake = std::move(intake), .line = {}, .connection = connection()});
-  scan_->mark = asked_ ? asked_->mark : cockpit_->going();
+  scan_->mark = asked_.value_or(cockpit_->going());
   asked_.reset();
   if (carrier_) return;
   scan_->line = std::make_unique<intake::LiveLine>(bite_line::Config{});
@@ -290,6 +293,11 @@ fs::path Service::take_next_folder() {
     if (!fs::exists(folder, error)) return folder;
   }
   return next_folder();
+}
+
+bool Service::sensor_hears() const {
+  const Sensing sensing = cockpit_->cell().sensing();
+  return link_ && sensing != Sensing::Starting && sensing != Sensing::Away;
 }
 
 int Service::connection() const {

@@ -8,95 +8,95 @@
 
 namespace biteline::service {
 
-Result<ExitStatus> Service::plan_with(Held held, const std::string& process, const std::string& who) {
-  const std::string name = held.folder.filename().string();
-  cockpit_->show(Phase::Working, "plans the path of " + name + " with " + process, "a person decides");
-  const Result<ExitStatus> status = without_exceptions([&]() -> Result<ExitStatus> {
-    // The path of another process is not what was asked for, also where this one cannot be read.
-    held.plan.outcome = {};
-    Chosen chosen = held.chosen;
-    chosen.process.reset();
-    chosen.process_name = process;
-    chosen.process_by = who;
-    chosen.taught = true;
-    chosen.other_process.clear();
-    BITELINE_TRY(choose_process(chosen));
-    held.chosen = std::move(chosen);
-    // Where this shoe grows too old the next scan of it is worked so, too.
-    order_taught(process, held.chosen);
-    BITELINE_TRY(keep_process(held.folder, held.chosen));
-    held.plan.request.process = process_of(held.chosen);
-    return plan_anew(held);
-  });
-  // Also without a path: another process may have one.
-  held_.emplace(std::move(held));
-  cockpit_->show_model(held_->chosen.model, held_->chosen.probability,
-                       {held_->chosen.process_name, held_->chosen.process_by});
-  remember(held_->folder, "held", held_->chosen, {});
-  return status;
+Service::Chosen Service::chosen_anew(const Chosen& before) {
+  Chosen chosen;
+  chosen.part = before.part;
+  chosen.told_twice = before.told_twice;
+  // Of the release that it was looked for in.
+  chosen.release = before.release;
+  return chosen;
 }
 
-Result<ExitStatus> Service::work_with(Unnamed unnamed, const std::string& process, const std::string& who) {
-  Scan& scan = unnamed.scan;
-  const std::filesystem::path folder = scan.folder;
-  cockpit_->show(Phase::Working, "plans the path of " + folder.filename().string() + " with " + process,
-                 "a person decides");
-  Chosen chosen;
+Service::Worked Service::plan_with(HeldScan held, const std::string& process, const std::string& who) {
+  Chosen& chosen = held.scan.chosen;
+  Planned& planned = *held.planned();
+  cockpit_->show("plans the path of " + held.name() + " with " + process, "a person decides");
+  Result<ExitStatus> status = without_exceptions([&]() -> Result<ExitStatus> {
+    // The path of another process is not what was asked for, also where this one cannot be read.
+    planned.plan.outcome = {};
+    Chosen other = chosen;
+    other.process.reset();
+    other.process_name = process;
+    other.process_by = who;
+    other.taught = true;
+    other.other_process.clear();
+    BITELINE_TRY(choose_process(other));
+    chosen = std::move(other);
+    // Where this shoe grows too old the next scan of it is worked so, too.
+    order_taught(process, chosen);
+    BITELINE_TRY(keep_process(held.scan.folder, chosen));
+    planned.plan.request.process = process_of(chosen);
+    return plan_anew(held);
+  });
+  cockpit_->show_model(chosen.model, chosen.probability, {chosen.process_name, chosen.process_by});
+  // Also without a path: another process may have one.
+  return hold_again(std::move(status), std::move(held));
+}
+
+Service::Worked Service::work_with(HeldScan held, const std::string& process, const std::string& who) {
+  cockpit_->show("plans the path of " + held.name() + " with " + process, "a person decides");
+  Unnamed& unnamed = *held.unnamed();
+  Chosen chosen = chosen_anew(held.scan.chosen);
   chosen.process_name = process;
   chosen.process_by = who;
   chosen.taught = true;
-  chosen.part = scan.chosen.part;
-  chosen.foot = scan.chosen.foot;
-  chosen.size = scan.chosen.size;
-  // Of the release that it was looked for in.
-  chosen.release = scan.chosen.release;
-  Result<void> possible = choose_process(chosen);
-  if (possible && !unnamed.line.line)
-    possible =
-        fail(Errc::WrongState, "%s has no line of its own; choose its model", folder.filename().c_str());
-  if (!possible) {
-    unnamed_.emplace(std::move(unnamed));
-    return tl::unexpected<Error>{possible.error()};
+  chosen.foot = held.scan.chosen.foot;
+  chosen.size = held.scan.chosen.size;
+  if (const Result<void> possible = choose_process(chosen); !possible)
+    return wait_on(std::move(held), possible.error());
+  if (!unnamed.line.line) {
+    Error error =
+        fail(Errc::WrongState, "%s has no line of its own; choose its model", held.name().c_str()).value();
+    return wait_on(std::move(held), std::move(error));
   }
   order_taught(process, chosen);
-  scan.chosen = chosen;
-  cockpit_->show_model("", 0, {chosen.process_name, chosen.process_by});
-  const Result<ExitStatus> status =
-      without_exceptions([&] { return work_out_path(scan, unnamed.outcome, unnamed.line, true); });
-  close_result(folder, chosen);
-  return status;
+  Scan scan = std::move(held.scan);
+  scan.chosen = std::move(chosen);
+  cockpit_->show_model("", 0, {scan.chosen.process_name, scan.chosen.process_by});
+  const std::filesystem::path folder = scan.folder;
+  WorkedOut out = path_without_exceptions(scan, unnamed.outcome, unnamed.line, true);
+  Chosen worked = out.held ? out.held->scan.chosen : scan.chosen;
+  return close_result(std::move(out), folder, std::move(worked));
 }
 
-Result<ExitStatus> Service::run_in_air(Held held, const robot::Word& word) {
-  const std::string name = held.folder.filename().string();
-  cockpit_->show(Phase::Following, "the arm runs the path of " + name + " in the air", "a person decides");
-  const Result<ExitStatus> status = without_exceptions([&]() -> Result<ExitStatus> {
-    const std::filesystem::path folder = held.folder / api::k_air_folder;
+Service::Worked Service::run_in_air(HeldScan held, const robot::Word& word) {
+  Planned& planned = *held.planned();
+  cockpit_->show("the arm runs the path of " + held.name() + " in the air", "a person decides");
+  const std::filesystem::path folder = held.scan.folder / api::k_air_folder;
+  Result<ExitStatus> status = without_exceptions([&]() -> Result<ExitStatus> {
     std::error_code error;
     std::filesystem::remove_all(folder, error);
     if (error) return fail_errno(Errc::WriteFailed, error.value(), "%.200s", folder.c_str());
-    path::PlanRequest request = path::first_run(held.plan.request);
+    path::PlanRequest request = path::first_run(planned.plan.request);
     BITELINE_ASSIGN(request.mounted, mounted());
     request.table_z_mm = request.mounted.table_z_mm.value_or(robot_->options.table_z_mm);
     cloud::ClosedLine line = request.line;
     BITELINE_ASSIGN(const PlanStep plan, plan_again(folder / "path", std::move(request), std::move(line)));
     if (!plan.outcome.path) return plan.status;
-    SendRequest send = held.request;
+    SendRequest send = planned.request;
     send.approved = word;
     send.holds_arm = holds_arm();
     BITELINE_ASSIGN(send.mounted, mounted());
+    cockpit_->enter(CellEvent::AirSetsOut);
     return follow_path(folder, plan, send);
   });
   if (!status) {
     // Else whoever asked for it would wait for its outcome.
     report::Report report;
     report.refuse(to_line(status.error()));
-    if (const Result<void> told = report.write(held.folder / api::k_air_folder); !told)
-      complain(told.error());
+    if (const Result<void> told = report.write(folder); !told) complain(told.error());
   }
-  held_.emplace(std::move(held));
-  remember(held_->folder, "held", held_->chosen, {});
-  return status;
+  return hold_again(std::move(status), std::move(held));
 }
 
 }  // namespace biteline::service

@@ -9,6 +9,7 @@
 
 #include "common/core/result.hpp"
 #include "common/time/clocks.hpp"
+#include "host/apps/biteline-host/controller.hpp"
 #include "host/apps/biteline-host/options.hpp"
 #include "host/apps/biteline-host/steps.hpp"
 #include "host/apps/biteline-host/stock.hpp"

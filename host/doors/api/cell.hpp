@@ -135,6 +135,10 @@ class Cell {
   /// through the same checks and the same gate; then the scan waits again.  Errc::WrongState as above.
   [[nodiscard]] virtual Result<void> run_in_air(const std::string& scan, const Speaker& who) = 0;
 
+  /// The sensor is asked whether the shoe of a scan that waits still lies as it was scanned.
+  /// Errc::WrongState: it does not wait, or the sensor has no time.
+  [[nodiscard]] virtual Result<void> look_again(const std::string& scan, const Speaker& who) = 0;
+
   /// Its line is being mended: until end_mend() nobody can accept the scan.  Errc::WrongState while the scan
   /// is in work.
   [[nodiscard]] virtual Result<void> begin_mend(const std::string& scan) = 0;

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 // A sensor without devices: each StartScan makes one scan of a shoe on its table, by an elastic arm with a
-// check lap.  After so many sound ones its head has slipped on the flange by 0.1 mm, and nobody told it.
+// check lap.  After so many sound ones, or at SIGUSR1, its head has slipped on the flange by 0.1 mm, the shoe
+// was nudged by 0.3 mm, or another shoe stands there; and nobody told it.
 //
-//     biteline-drifting-sensor SOUND
+//     biteline-drifting-sensor SOUND [slipped|nudged|exchanged]
 #include <charconv>
+#include <csignal>
 #include <cstdio>
 #include <string_view>
 
@@ -43,16 +45,35 @@ std::vector<profile::Profile> profiles_of(const test::DriftScan& scan, const geo
   return profiles;
 }
 
-Result<test::ScanServer> slipping_after(std::uint64_t sound) {
-  BITELINE_ASSIGN(const test::DriftCell cell, test::DriftCell::make({.fan_rays = k_fan_rays}));
+volatile std::sig_atomic_t g_told = 0;
+
+Result<Looks> changed(const test::DriftCell& cell, std::string_view how) {
   constexpr int k_mounting_y = 7;
-  const Looks straight = cell.looks({}), slipped = cell.looks({.drifted = drift::Vector::Unit(k_mounting_y)});
+  if (how == "slipped") return cell.looks({.drifted = drift::Vector::Unit(k_mounting_y)});
+  if (how == "nudged") {
+    constexpr double k_each_mm = 0.3 / 1.4142135623730951;
+    return cell.looks(
+        {.T_shoe_put = geometry::make_se3(Eigen::Quaterniond::Identity(), {k_each_mm, k_each_mm, 0})});
+  }
+  if (how != "exchanged")
+    return fail(Errc::InvalidArgument, "%.20s: neither slipped, nudged nor exchanged",
+                std::string{how}.c_str());
+  BITELINE_ASSIGN(const test::DriftCell other,
+                  test::DriftCell::make({.shoe_seed = 2, .fan_rays = k_fan_rays}));
+  return other.looks({});
+}
+
+Result<test::ScanServer> changing_after(std::uint64_t sound, std::string_view how) {
+  BITELINE_ASSIGN(const test::DriftCell cell, test::DriftCell::make({.fan_rays = k_fan_rays}));
+  const Looks straight = cell.looks({});
+  BITELINE_ASSIGN(const Looks after, changed(cell, how));
   const geometry::SensorModel& head = cell.calibrated();
   test::ScanServer server{.identity = {},
                           .make =
                               [=](std::uint64_t scan) {
-                                return profiles_of(
-                                    cell.scan(scan > sound ? slipped : straight, {.seed = scan}), head);
+                                const bool sees_it = scan > sound || g_told != 0;
+                                return profiles_of(cell.scan(sees_it ? after : straight, {.seed = scan}),
+                                                   head);
                               },
                           .between_profiles = std::chrono::milliseconds{1}};
   server.identity.name = "drifting";
@@ -65,11 +86,13 @@ Result<test::ScanServer> slipping_after(std::uint64_t sound) {
 
 int main(int argc, char** argv) {
   std::uint64_t sound = 0;
-  const std::string_view text{argc == 2 ? argv[1] : ""};
+  const std::string_view text{argc == 2 || argc == 3 ? argv[1] : ""};
   if (std::from_chars(text.begin(), text.end(), sound).ec != std::errc{}) {
-    std::fprintf(stderr, "usage: biteline-drifting-sensor SOUND\n");
+    std::fprintf(stderr, "usage: biteline-drifting-sensor SOUND [slipped|nudged|exchanged]\n");
     return 2;
   }
+  const std::string_view how{argc == 3 ? argv[2] : "slipped"};
+  std::signal(SIGUSR1, [](int) { g_told = 1; });
   return biteline::test::run_scan_server("biteline-drifting-sensor",
-                                         [sound] { return slipping_after(sound); });
+                                         [=] { return changing_after(sound, how); });
 }

@@ -6,6 +6,7 @@ The arm is read over its real-time port by a client of this test's own, so that 
 import json
 import pathlib
 import queue
+import signal
 import socket
 import sqlite3
 import struct
@@ -157,16 +158,17 @@ class ControlEnd:
 
 
 class Cell:
-    def __init__(self, host, web, sensor, cell, processes):
+    def __init__(self, host, web, sensor, cell, processes, changed="slipped", gate=""):
+        """`changed`: what the sensor sees after change(); `gate`: more keys of the process's gate."""
         self.folder = tempfile.TemporaryDirectory()
         out = pathlib.Path(self.folder.name)
         self.results = out / "results"
         (out / "uncertainty.yaml").write_text(uncertainty_text())
         (out / "jobs.yaml").write_text("jobs:\n  1: {}\n")
-        process = (pathlib.Path(processes) / "grind.yaml").read_text().replace("tolerance_mm: 1 ", "tolerance_mm: 20 ")
+        process = (pathlib.Path(processes) / "grind.yaml").read_text().replace("tolerance_mm: 1 ", "tolerance_mm: 20 ") + gate
         (out / "grind.yaml").write_text(process)
         self.world = Program(cell, "serve", "--out", str(out / "cell"), "--arm", "ur10e", "--exit-with-parent")
-        self.sensor = Program(sensor, "1000000")
+        self.sensor = Program(sensor, "1000000", changed)
         at = json.loads(self.world.line_with('"rtde"'))
         self.host = Program(host, "--sensor", self.sensor.line_with("tcp://"), "--out", str(self.results), "--uncertainty",
                             str(out / "uncertainty.yaml"), "--robot", "ur10e", "--process", str(out / "grind.yaml"), "--table-z",
@@ -264,6 +266,9 @@ class Cell:
                 return scan["scan"]
             assert self.call("POST", f"/scans/{scan['scan']}/reject", {"why": "no path"}, self.token)[0] == 200
         raise AssertionError("no scan of eight has a path")
+
+    def change(self):
+        self.sensor.process.send_signal(signal.SIGUSR1)
 
     def row(self, scan):
         return self.told("/scans/" + scan)

@@ -8,6 +8,7 @@
 #include "tests/support/errors.hpp"
 #include "tests/support/json.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tests/unit/host/apps/opened_cockpit.hpp"
 
 namespace biteline::service {
 
@@ -116,17 +117,17 @@ TEST(CockpitAnswers, RobotsProgressModelAndHolderAreTold) {
   words.remote = true;
   words.robot_mode = "RUNNING";
   sut->hear(words, "");
-  sut->show(Phase::Scanning, "scans scan-0001", "its line");
-  sut->show_scan("scan-0001");
+  sut->scan_begins("scan-0001");
+  sut->show("scans scan-0001", "its line");
   sut->show_progress(50, 100);
   sut->show_model("boot", 0.98, {.name = "rough", .by = {}});
   CHECK(sut->begin_cycle().has_value());
   CHECK(sut->begin_cycle().has_value());
   static_cast<void>(ask("POST", "/control", {{"action", "take"}, {"why", "my shift"}}));
   look_everywhere();
-  sut->hold("scan-0001", Cockpit::Wait::Word, 60);
+  test::hold_worked(*sut, {.scan = "scan-0001", .waits = Waits::ForWord, .fresh_s = 60});
   look_everywhere();
-  sut->hold("");
+  sut->enter(CellEvent::Reject);
   static_cast<void>(ask("POST", "/commands/stop"));
   look_everywhere();
   static_cast<void>(ask("POST", "/commands/start", {{"hold", true}}));

@@ -8,6 +8,7 @@
 #include "host/apps/biteline-host/cockpit.hpp"
 #include "tests/support/errors.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tests/unit/host/apps/opened_cockpit.hpp"
 
 namespace biteline::service {
 namespace {
@@ -49,11 +50,11 @@ TEST_GROUP(CockpitStop) {
   void teardown() override {
     sut.reset();
   }
-  void hold(Cockpit::Wait wait = Cockpit::Wait::Word) {
+  void hold(Waits wait = Waits::ForWord) {
     SUCCEEDS(sut->memory().put_scan(row_named("held"), {}));
-    sut->show_scan(k_scan);
-    sut->show(Phase::Deciding, "scan-0001 waits for a person", "accept it");
-    sut->hold(k_scan, wait, 100, sut->going());
+    test::work(*sut, k_scan);
+    sut->show("scan-0001 waits for a person", "accept it");
+    test::hold_worked(*sut, {.scan = k_scan, .waits = wait, .fresh_s = 100, .mark = sut->going()});
   }
   Result<void> decide(api::Decision::Kind kind, std::uint64_t heard) {
     return sut->decide(
@@ -109,7 +110,7 @@ TEST_GROUP(CockpitStop) {
              [this](auto heard) {
                return sut->choose_process(k_scan, "rough", {"ada", heard}).has_value();
              }},
-            {"name the model", false, [this] { hold(Cockpit::Wait::Model); },
+            {"name the model", false, [this] { hold(Waits::ForModel); },
              [this](auto heard) {
                return sut->choose_model(k_scan, "boot", {"ada", heard}).has_value();
              }},
@@ -146,7 +147,7 @@ TEST(CockpitStop, WhatWasCarriedOutBeforeAStopIsHeededNoMore) {
       const robot::StopMark going = sut->going();
       (*sut.*stop)("ada");
       LONGS_EQUAL_TEXT(0, alive(), order.name);
-      CHECK_TEXT(going.stopped() && sut->paused() && !sut->begin_cycle(), order.name);
+      CHECK_TEXT(going.stopped() && sut->cell().going() != Going::Goes && !sut->begin_cycle(), order.name);
       CHECK_TEXT(sut->state()["held"].is_null(), order.name);
       STRCMP_EQUAL("stopped", state("phase").c_str());
     }
@@ -198,7 +199,7 @@ TEST(CockpitStop, WhoTakesTheArmAtThePendantEndsWhatWasSaidBefore) {
     const robot::StopMark going = sut->going();
     sut->taken_at_the_pendant();
     LONGS_EQUAL_TEXT(0, alive(), order.name);
-    CHECK_TEXT(going.stopped() && sut->paused() && !sut->begin_cycle(), order.name);
+    CHECK_TEXT(going.stopped() && sut->cell().going() != Going::Goes && !sut->begin_cycle(), order.name);
     CHECK_TEXT(sut->state()["held"].is_null(), order.name);
     STRCMP_EQUAL("stopped", state("phase").c_str());
     STRCMP_CONTAINS("stopped by somebody at the pendant", state("now").c_str());
@@ -207,6 +208,9 @@ TEST(CockpitStop, WhoTakesTheArmAtThePendantEndsWhatWasSaidBefore) {
   SUCCEEDS(rows);
   STRCMP_EQUAL("stop", rows->front().action.c_str());
   STRCMP_EQUAL("pendant", rows->front().door.c_str());
+  // What was in work then is ended by the service.
+  sut->works(k_scan);
+  sut->enter(CellEvent::Done);
   SUCCEEDS(sut->start({}, {"ada", stops.count()}));
   CHECK(sut->begin_cycle().has_value());
 }
@@ -225,7 +229,7 @@ TEST(CockpitStop, WithoutDoorsGivingTheArmBackIsTheWordToGoOn) {
 TEST(CockpitStop, AStopBetweenTheCheckOfTheRobotAndTheAskingIsOne) {
   open();
   SUCCEEDS(sut->start({}, {"ada", stops.count()}));
-  CHECK_FALSE(sut->paused());
+  CHECK(sut->cell().going() == Going::Goes);
   // As a signal says it: nobody has taken the cell's lock yet.
   stops.stop();
   CHECK(!sut->begin_cycle());
@@ -238,7 +242,7 @@ TEST(CockpitStop, AScanOfBeforeAStopDoesNotWaitForAPerson) {
   hold();
   CHECK(sut->state()["held"].is_null());
   SUCCEEDS(sut->start({}, {"ada", stops.count()}));
-  sut->hold(k_scan, Cockpit::Wait::Word, 100, mark);
+  test::hold_worked(*sut, {.scan = k_scan, .waits = Waits::ForWord, .fresh_s = 100, .mark = mark});
   CHECK(sut->state()["held"].is_null());
   FAILS_NAMING(Errc::WrongState, "was stopped", decide(api::Decision::Kind::Accept, stops.count()));
 }
@@ -258,7 +262,9 @@ TEST(CockpitStop, AHeldScanThatAStopEndedSaysSo) {
 
 TEST(CockpitStop, AnArmThatComesToRestIsNotCalledStopped) {
   open();
-  sut->show(Phase::Following, "the arm follows the line of scan-0001", "the next scan");
+  sut->works(k_scan);
+  sut->enter(CellEvent::ArmSetsOut);
+  sut->show("the arm follows the line of scan-0001", "the next scan");
   sut->stop("ada");
   STRCMP_EQUAL("following", state("phase").c_str());
   STRCMP_CONTAINS("stopped by ada", state("now").c_str());
@@ -326,8 +332,9 @@ TEST(CockpitStop, AMendThatAStopMeetsIsOver) {
     if (wish->kind != Wish::Kind::Stop) sut->drop(*wish);
   }
   CHECK_FALSE(sut->mends(k_scan));
-  // And can be mended as every kept scan.
-  sut->show(Phase::Stopped, "no scan is asked for", "start");
+  // And can be mended as every kept scan, once the service has ended it.
+  sut->works(k_scan);
+  sut->enter(CellEvent::Done);
   SUCCEEDS(sut->begin_mend(k_scan));
 }
 
@@ -340,7 +347,7 @@ TEST(CockpitStop, ANoAfterAYesNamesTheStop) {
     FAILS_NAMING(Errc::WrongState, "/commands/stop", decide(Reject, 0));
     // Nor while the arm follows a scan that nobody had to accept.
     SUCCEEDS(sut->memory().put_scan(row_named("open"), {}));
-    sut->show(Phase::Following, "the arm follows", "the next scan");
+    sut->enter(CellEvent::ArmSetsOut);
     FAILS_NAMING(Errc::WrongState, "/commands/stop", decide(Reject, 0));
   }
 }
@@ -419,7 +426,7 @@ TEST(CockpitStop, StopsAndOrdersOfManyThreadsLeaveNothingThatWasSaidBefore) {
   for (std::thread& person : people) person.join();
   sut->stop("bob");
   LONGS_EQUAL(0, alive());
-  CHECK(sut->paused() && !sut->begin_cycle());
+  CHECK(sut->cell().going() != Going::Goes && !sut->begin_cycle());
 }
 
 }  // namespace biteline::service

@@ -8,6 +8,7 @@
 #include "host/apps/biteline-host/cockpit.hpp"
 #include "tests/support/errors.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tests/unit/host/apps/opened_cockpit.hpp"
 
 namespace biteline::service {
 
@@ -55,7 +56,7 @@ TEST(CockpitTeach, AHoldOutlivesTheServiceAndAStartWithoutItEndsIt) {
   SUCCEEDS(rows);
   STRCMP_EQUAL("hold every scan", rows->front().action.c_str());
   // A start that is refused takes nothing back.
-  sut->hold("scan-0001");
+  test::hold_worked(*sut, {.scan = "scan-0001"});
   refused(sut->start({}, "ada"));
   sut.reset();
   open(true);
@@ -73,8 +74,8 @@ TEST(CockpitTeach, AStartThatHoldsHoldsEveryScanUntilOneWithoutIt) {
   CHECK(sut->wants_hold("scan-0001"));
   CHECK(sut->wants_hold("scan-0002"));
   // A word about one scan takes nothing from the next.
-  sut->hold("scan-0001");
-  sut->hold("");
+  test::hold_worked(*sut, {.scan = "scan-0001"});
+  sut->enter(CellEvent::Reject);
   CHECK(sut->wants_hold("scan-0002"));
   SUCCEEDS(sut->rescan({.who = "ada", .why = "again", .door = "web", .hold = true}));
   CHECK(sut->wants_hold("scan-0003"));
@@ -85,8 +86,7 @@ TEST(CockpitTeach, AStartThatHoldsHoldsEveryScanUntilOneWithoutIt) {
   CHECK_FALSE(sut->wants_hold("scan-0005"));
   // One in work was asked for with it, and waits.
   SUCCEEDS(sut->start({.model = {}, .process = {}, .hold = true}, "ada"));
-  sut->show_scan("scan-0006");
-  sut->show(Phase::Scanning, "scan-0006 comes in", "its line");
+  sut->scan_begins("scan-0006");
   SUCCEEDS(sut->start({}, "ada"));
   CHECK(sut->wants_hold("scan-0006"));
   CHECK_FALSE(sut->wants_hold("scan-0007"));
@@ -96,11 +96,11 @@ TEST(CockpitTeach, ARunInTheAirNeedsACheckedPathThatWaits) {
   open(true);
   refused(sut->run_in_air("scan-0001", "ada"));
   refused(sut->choose_process("scan-0001", "rough", "ada"));
-  sut->hold("scan-0001", Cockpit::Wait::Mend);
+  test::hold_worked(*sut, {.scan = "scan-0001", .waits = Waits::ForPath});
   refused(sut->run_in_air("scan-0001", "ada"));
-  sut->hold("scan-0001", Cockpit::Wait::Model);
+  test::hold_worked(*sut, {.scan = "scan-0001", .waits = Waits::ForModel});
   refused(sut->run_in_air("scan-0001", "ada"));
-  sut->hold("scan-0001", Cockpit::Wait::Word, 100);
+  test::hold_worked(*sut, {.scan = "scan-0001", .waits = Waits::ForWord, .fresh_s = 100});
   refused(sut->run_in_air("scan-0002", "ada"));
   SUCCEEDS(sut->begin_mend("scan-0001"));
   refused(sut->run_in_air("scan-0001", "ada"));
@@ -124,11 +124,11 @@ TEST(CockpitTeach, ARunInTheAirNeedsACheckedPathThatWaits) {
   refused(sut->decide(no));
   refused(sut->begin_mend("scan-0001"));
   CHECK(!sut->next_wish());
-  sut->hold("scan-0001", Cockpit::Wait::Model);
+  test::hold_worked(*sut, {.scan = "scan-0001", .waits = Waits::ForModel});
   SUCCEEDS(sut->choose_process("scan-0001", "rough", "ada"));
   CHECK(next() == Wish::Kind::Process);
   refused(sut->decide(no));
-  sut->hold("scan-0001");
+  test::hold_worked(*sut, {.scan = "scan-0001"});
   SUCCEEDS(sut->decide(no));
   CHECK(next() == Wish::Kind::Reject);
 }
@@ -145,7 +145,7 @@ TEST(CockpitTeach, NoWordIsLostBehindManyOthersAndTheLastOfAKindCounts) {
     sut->stop("ada");
   }
   SUCCEEDS(start_with(199));
-  sut->hold("scan-0001");
+  test::hold_worked(*sut, {.scan = "scan-0001"});
   SUCCEEDS(sut->choose_process("scan-0001", "rough", {"ada", stops.count()}));
   CHECK(next() == Wish::Kind::LaserOff);
   CHECK(next() == Wish::Kind::Stop);
@@ -158,14 +158,13 @@ TEST(CockpitTeach, NoWordIsLostBehindManyOthersAndTheLastOfAKindCounts) {
 
 TEST(CockpitTeach, AHoldStaysOneWhenTheModelIsNamed) {
   open(true);
-  sut->show_scan("scan-0001");
-  sut->show(Phase::Working, "scan-0001", "its path");
+  test::work(*sut, "scan-0001");
   SUCCEEDS(sut->decide({.kind = api::Decision::Kind::Hold,
                         .scan = "scan-0001",
                         .who = "ada",
                         .why = "let me see it",
                         .door = "web"}));
-  sut->hold("scan-0001", Cockpit::Wait::Model);
+  test::hold_worked(*sut, {.scan = "scan-0001", .waits = Waits::ForModel});
   SUCCEEDS(sut->choose_model("scan-0001", "boot", "ada"));
   CHECK(sut->wants_hold("scan-0001"));
 }
@@ -174,13 +173,12 @@ TEST(CockpitTeach, AHoldThatComesTooLateIsToldSo) {
   using enum api::Decision::Kind;
   open(true);
   const api::Decision hold{.kind = Hold, .scan = "scan-0001", .who = "ada", .why = "wait", .door = "web"};
-  sut->show_scan("scan-0001");
-  sut->show(Phase::Working, "scan-0001", "its path");
+  test::work(*sut, "scan-0001");
   CHECK_FALSE(sut->wants_hold_at_last("scan-0001"));
   FAILS_NAMING(Errc::WrongState, "too late to hold scan-0001; stop the arm", sut->decide(hold));
   CHECK_FALSE(sut->wants_hold("scan-0001"));
   // It says nothing of the next one.
-  sut->show_scan("scan-0002");
+  sut->scan_begins("scan-0002");
   api::Decision next = hold;
   next.scan = "scan-0002";
   SUCCEEDS(sut->decide(next));
@@ -194,8 +192,7 @@ TEST(CockpitTeach, AHoldBesideTheLastLookIsEitherHeededOrRefused) {
   int heeded = 0;
   for (int round = 0; round < 200; ++round) {
     const std::string scan = "scan-" + std::to_string(1000 + round);
-    sut->show_scan(scan);
-    sut->show(Phase::Working, scan, "its path");
+    test::work(*sut, scan);
     std::atomic<bool> go{false};
     bool taken = false;
     std::thread person{[&] {
@@ -215,7 +212,7 @@ TEST(CockpitTeach, AHoldBesideTheLastLookIsEitherHeededOrRefused) {
 
 TEST(CockpitTeach, NothingIsPlannedWithoutAnArm) {
   open(false);
-  sut->hold("scan-0001");
+  test::hold_worked(*sut, {.scan = "scan-0001"});
   refused(sut->run_in_air("scan-0001", "ada"));
   refused(sut->choose_process("scan-0001", "rough", "ada"));
 }
@@ -245,24 +242,27 @@ TEST(CockpitTeach, AYesThatTheGateWouldRefuseIsRefusedWithItsReasonAndChangesNot
     CHECK(!sut->next_wish());
     STRCMP_EQUAL("held", (*sut->memory().scan("scan-0001"))->decision.c_str());
   };
-  sut->hold("scan-0001", Cockpit::Wait::Word, -5);
+  test::hold_worked(*sut, {.scan = "scan-0001", .waits = Waits::ForWord, .fresh_s = -5});
   refused_for("too old");
-  sut->hold("scan-0001", Cockpit::Wait::Word, 0);
+  test::hold_worked(*sut, {.scan = "scan-0001", .waits = Waits::ForWord, .fresh_s = 0});
   refused_for("too old");
-  sut->hold("scan-0001", Cockpit::Wait::Mend);
+  test::hold_worked(*sut, {.scan = "scan-0001", .waits = Waits::ForPath});
   refused_for("no checked path");
-  sut->hold("scan-0001", Cockpit::Wait::Model);
+  test::hold_worked(*sut, {.scan = "scan-0001", .waits = Waits::ForModel});
   refused_for("model");
   // What the gate would say counts whatever the age.
-  sut->hold("scan-0001", Cockpit::Wait::Word, 100, {},
-            report::ToldRefusal{
-                .reason_code = "messages_lost", .reason = "messages lost: 3 (0)", .next_step = "again"});
+  test::hold_worked(
+      *sut, {.scan = "scan-0001",
+             .waits = Waits::ForWord,
+             .fresh_s = 100,
+             .not_sendable = report::ToldRefusal{
+                 .reason_code = "messages_lost", .reason = "messages lost: 3 (0)", .next_step = "again"}});
   refused_for("messages lost");
   STRCMP_EQUAL("messages_lost", sut->state()["held"]["reason_code"].get<std::string>().c_str());
   // One that somebody vouched for has no age.
-  sut->hold("scan-0001", Cockpit::Wait::Word);
+  test::hold_worked(*sut, {.scan = "scan-0001", .waits = Waits::ForWord});
   CHECK(sut->state()["held"]["sendable"].get<bool>());
-  sut->hold("scan-0001", Cockpit::Wait::Word, 100);
+  test::hold_worked(*sut, {.scan = "scan-0001", .waits = Waits::ForWord, .fresh_s = 100});
   SUCCEEDS(say(api::Decision::Kind::Accept));
   CHECK(next() == Wish::Kind::Send);
 }
@@ -294,19 +294,19 @@ TEST(CockpitTeach, StateTellsWhoseShoeItIs) {
 TEST(CockpitTeach, StateSaysWhatWaitsForWhatAndHowLongItIsFresh) {
   open(true);
   CHECK(sut->state()["held"].is_null());
-  sut->hold("scan-0001", Cockpit::Wait::Word, 100);
+  test::hold_worked(*sut, {.scan = "scan-0001", .waits = Waits::ForWord, .fresh_s = 100});
   api::Json held = sut->state()["held"];
   STRCMP_EQUAL("scan-0001", held["scan"].get<std::string>().c_str());
   STRCMP_EQUAL("word", held["waits_for"].get<std::string>().c_str());
   CHECK(held["fresh_s"].get<double>() <= 100);
   // Of a scan that grew too old before it waited.
-  sut->hold("scan-0001", Cockpit::Wait::Word, -5);
+  test::hold_worked(*sut, {.scan = "scan-0001", .waits = Waits::ForWord, .fresh_s = -5});
   DOUBLES_EQUAL(0, sut->state()["held"]["fresh_s"].get<double>(), 0);
-  sut->hold("scan-0001", Cockpit::Wait::Mend);
+  test::hold_worked(*sut, {.scan = "scan-0001", .waits = Waits::ForPath});
   held = sut->state()["held"];
   STRCMP_EQUAL("path", held["waits_for"].get<std::string>().c_str());
   CHECK(held["fresh_s"].is_null());
-  sut->hold("");
+  sut->enter(CellEvent::Reject);
   CHECK(sut->state()["held"].is_null());
 }
 

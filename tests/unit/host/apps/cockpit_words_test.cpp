@@ -62,7 +62,7 @@ TEST(CockpitWords, AWordInTheFirstMomentOfAHoldFindsRowAndHold) {
   auto word = say(api::Decision::Kind::Accept);
   give_time(word);
   put("held");
-  sut->hold("scan-0001");
+  test::hold_worked(*sut, {.scan = "scan-0001"});
   words.unlock();
   SUCCEEDS(word.get());
   STRCMP_EQUAL("accepted", row().decision.c_str());
@@ -73,7 +73,7 @@ TEST(CockpitWords, AWordInTheFirstMomentOfAHoldFindsRowAndHold) {
 TEST(CockpitWords, AWordThatAFullDiskCannotKeepDoesNothingAndIsHeardOnceThereIsRoom) {
   for (const api::Decision::Kind kind : {api::Decision::Kind::Accept, api::Decision::Kind::Reject}) {
     put("held");
-    sut->hold("scan-0001");
+    test::hold_worked(*sut, {.scan = "scan-0001"});
     {
       const test::FullDisk full;
       const Result<void> said = say(kind).get();
@@ -94,7 +94,7 @@ TEST(CockpitWords, AModelNamedInTheFirstMomentOfAHoldIsTaken) {
       std::async(std::launch::async, [this] { return sut->choose_model("scan-0001", "boot", "ada"); });
   give_time(word);
   put("held");
-  sut->hold("scan-0001", Cockpit::Wait::Model);
+  test::hold_worked(*sut, {.scan = "scan-0001", .waits = Waits::ForModel});
   words.unlock();
   SUCCEEDS(word.get());
   FAILS_NAMING(Errc::WrongState, "does not wait for its model",

@@ -2,7 +2,7 @@
 // What the service asks of the arm before a scan is spent.
 #include <CppUTest/TestHarness.h>
 
-#include "host/apps/biteline-host/steps.hpp"
+#include "host/apps/biteline-host/controller.hpp"
 #include "tests/support/timed_test.hpp"
 #include "tests/unit/host/robot/link/fake_controller.hpp"
 

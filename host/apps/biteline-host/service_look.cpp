@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: MIT
+// A look at what is held: an ordinary scan that shows whether the shoe still stands as it was scanned.
+#include <pthread.h>
+
+#include <utility>
+
+#include "host/apps/biteline-host/service.hpp"
+#include "host/apps/biteline-host/service_words.hpp"
+#include "host/cloud/ply.hpp"
+#include "host/records/report/report.hpp"
+#include "host/transfer/moved.hpp"
+
+namespace biteline::service {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* k_look_folder = "look";
+
+const char* name_of(transfer::Moved::Verdict verdict) {
+  switch (verdict) {
+    case transfer::Moved::Verdict::Unmoved:
+      return "unmoved";
+    case transfer::Moved::Verdict::Moved:
+      return "moved";
+    case transfer::Moved::Verdict::OtherShoe:
+      return "other_shoe";
+    case transfer::Moved::Verdict::NotSeen:
+      return "not_seen";
+  }
+  return "not_seen";
+}
+
+Result<void> write_look(const fs::path& folder, const transfer::Moved& moved) {
+  report::Report report;
+  report.fields["moved"] = {
+      {"verdict", name_of(moved.verdict)},      {"shift_mm", moved.shift_mm}, {"u95_mm", moved.u95_mm},
+      {"unexplained_mm", moved.unexplained_mm}, {"limit_mm", moved.limit_mm}, {"words", moved.words}};
+  return report.write(folder);
+}
+
+}  // namespace
+
+bool Service::looks() const {
+  return held_ && !result_.valid() && cockpit_->cell().shoe() == Shoe::Looking;
+}
+
+Result<void> Service::begin_look(const intake::Hello& hello) {
+  const fs::path folder = held_->scan.folder / k_look_folder;
+  std::error_code error;
+  fs::remove_all(folder, error);
+  BITELINE_TRY(report::prepare_folder(folder));
+  BITELINE_ASSIGN(intake::ScanIntake intake, intake::ScanIntake::begin(folder, hello, link_->packet()));
+  scan_.emplace(Scan{.folder = folder, .intake = std::move(intake), .line = {}, .connection = connection()});
+  scan_->look = true;
+  scan_->mark = held_->scan.mark;
+  asked_.reset();
+  cockpit_->enter(CellEvent::ScanBegins);
+  cockpit_->show("looks whether " + held_->name() + " has moved", "a person decides");
+  say_step("looks again at %s", held_->name().c_str());
+  return {};
+}
+
+void Service::give_up_look(const std::string& why) {
+  say_step("%s is not looked at: %s", held_->name().c_str(), why.c_str());
+  held_->look_words = "not looked at: " + why;
+  tell_aside(false);
+}
+
+void Service::tell_aside(bool again) {
+  result_ = std::async(std::launch::async, [this, again, held = std::move(*held_)]() mutable -> Worked {
+    pthread_setname_np(pthread_self(), "bl-result");
+    tell_held(held, again);
+    return {.status = ExitStatus::Done, .held = std::move(held)};
+  });
+  held_.reset();
+}
+
+Service::Worked Service::look_at_held(HeldScan held, Scan look) {
+  cockpit_->show("compares " + held.name() + " with what stands there now", "a person decides");
+  const Result<ExitStatus> done = without_exceptions([&]() -> Result<ExitStatus> {
+    const intake::ScanOutcome outcome = look.intake.finish();
+    look.intake.forget();
+    BITELINE_ASSIGN(const cloud::PointCloud scanned, cloud::read_cloud(held.scan.folder / "cloud.ply"));
+    Planned& planned = *held.planned();
+    std::vector<Vec3> line;
+    for (const cloud::LinePoint& point : planned.plan.request.line.points) line.push_back(point.position);
+    const transfer::Moved moved = transfer::moved_since(scanned, outcome.cloud, line);
+    BITELINE_TRY(write_look(look.folder, moved));
+    held.look_words = moved.words;
+    say_step("%s: %s", held.name().c_str(), moved.words.c_str());
+    // What shows too little says nothing.
+    if (moved.verdict == transfer::Moved::Verdict::NotSeen || !look.ended) return ExitStatus::Done;
+    planned.request.looked =
+        Looked{.at = *look.ended,
+               .shows = {.by = robot::Unmoved::By::Look,
+                         .age_s = 0,
+                         .shift_mm = moved.shift_mm,
+                         .u95_mm = moved.u95_mm,
+                         .limit_mm = moved.limit_mm,
+                         .same_shoe = moved.verdict != transfer::Moved::Verdict::OtherShoe}};
+    return ExitStatus::Done;
+  });
+  if (!done) held.look_words = "not looked at: " + to_line(done.error());
+  return hold_again(done, std::move(held));
+}
+
+void Service::look_at_clamp() {
+  if (!clamp_) return;
+  const bool holds = clamp_->held_since().has_value();
+  if (holds == clamp_holds_ || result_.valid()) return;
+  clamp_holds_ = holds;
+  // How long it stays fresh, and whether a yes would be taken, is another answer now.
+  if (held_ && cockpit_->cell().shoe() == Shoe::Held) tell_aside(true);
+}
+
+}  // namespace biteline::service
