@@ -30,6 +30,7 @@ EVENT_DATA = {
     "log": "LogEntry",
     "control": "Control",
     "model": "Model",
+    "teaching": "Teaching",
     "health": "Sensor",
 }
 

@@ -213,8 +213,36 @@ export class FakeCell {
   told_state() {
     const held = this.scans.find((scan) => scan.decision === 'held');
     const sendable = this.fresh_s !== 0 && !this.not_sendable;
-    const offers = held ? ['rescan', 'reject', 'process', 'mend', ...(sendable ? ['accept', 'air'] : [])] : ['start', 'rescan'];
+    const offers = held ? ['rescan', 'reject', 'process', 'mend', ...(sendable ? ['accept', 'air'] : []), ...(this.may_look ? ['look'] : [])] : ['start', 'rescan'];
     return { ...this.state, offers, held: held ? { scan: held.id, waits_for: 'word', fresh_s: this.fresh_s, sendable, reason_code: null, reason: this.not_sendable ?? null, next_step: this.not_sendable ? 'scan the shoe again' : null } : null, control: this.control, seq: this.seq };
+  }
+  /// As POST /commands/start with `hold`.
+  begin_teaching(who) {
+    const id = (this.teaching?.id ?? 0) + 1;
+    this.teaching = { id, begun: new Date().toISOString(), begun_by: who, scan: null, scans_before: [], process: null, process_by: null, dry_run: null, air: null, followed: null, model: null, ended: null, ended_by: null, ended_how: null };
+  }
+  end_teaching(how, who) {
+    Object.assign(this.teaching, { ended: new Date().toISOString(), ended_by: who, ended_how: how });
+  }
+  /// Facts, and the steps that follow of them, as the service makes them.
+  told_teaching() {
+    const teaching = this.teaching;
+    const held = this.scans.find((scan) => scan.decision === 'held');
+    if (!teaching.ended && held && held.id !== teaching.scan) {
+      if (teaching.scan) teaching.scans_before.push(teaching.scan);
+      teaching.scan = held.id;
+    }
+    const scan = this.scans.find((row) => row.id === teaching.scan);
+    const work = { scan: teaching.scan, line_version: scan?.line_version ?? 0, process_sha256: scan ? createHash('sha256').update(scan.process).digest('hex') : null };
+    const process_by = scan?.decision === 'held' ? (this.state.process_by ?? null) : teaching.process_by;
+    const other = (done) => (!done ? 'not' : done.scan !== work.scan ? 'scanned_again' : done.line_version !== work.line_version ? 'line_changed' : done.process_sha256 !== work.process_sha256 ? 'process_changed' : null);
+    const air = other(teaching.followed);
+    const dry_run = air && other(teaching.dry_run);
+    const why = [scan ? null : 'no_scan', scan ? null : 'no_line', process_by ? null : 'not_chosen', dry_run === 'not' ? 'not_seen' : dry_run, air === 'not' ? 'not_run' : air, teaching.model ? null : 'not_saved'];
+    const next = teaching.ended ? -1 : why.findIndex((one) => one);
+    const names = ['scan', 'line', 'process', 'dry_run', 'air', 'model'];
+    const steps = names.map((step, i) => ({ step, state: i === next ? 'now' : why[i] ? 'open' : 'done', why: why[i] }));
+    return { ...teaching, ...work, process: scan?.process ?? null, process_by, step: names[next] ?? null, steps };
   }
   push(event, data) {
     const text = JSON.stringify({ event, data, seq: ++this.seq, time: new Date().toISOString() });
@@ -357,12 +385,21 @@ export class FakeCell {
             this.process_files.set(scan.id, given.process);
             Object.assign(this.state, { process: given.process, process_by: me.name });
           }
+          if (what === 'air' && this.teaching) {
+            const { scan: id, line_version, process_sha256 } = this.told_teaching();
+            this.teaching.followed = { scan: id, line_version, process_sha256, who: me.name, time: new Date().toISOString(), state: 'followed' };
+            this.teaching.air = this.teaching.followed;
+          }
           if (what === 'air') this.air = { state: 'followed', reason_code: null, reason: null, next_step: null, duration_s: 161.2 };
           this.state = { ...this.state, phase: 'deciding' };
           this.push('scan', scan);
           this.push('state', this.told_state());
         }, 300);
         return [202, { done: false, words: 'begun' }];
+      }
+      if (what === 'look') {
+        this.looks = (this.looks ?? 0) + 1;
+        return [202, { done: false, words: 'the sensor looks' }];
       }
       if (what === 'rerun') {
         const made = { rerun: 1, time: scan.time, who: me.name, why: given.why, settings: given.settings, state: 'working' };
@@ -401,9 +438,36 @@ export class FakeCell {
       this.last_kept = true;
       return [200, { done: true, words: 'kept: /var/lib/biteline/scan-2' }];
     }
+    if (path === '/teachings') return [200, { teachings: this.teaching ? [this.told_teaching()] : [], next: null }];
+    if (path.startsWith('/teachings/')) {
+      if (path.split('/')[2] !== String(this.teaching?.id)) return fail(404, 'not_found', 'no such teaching');
+      if (method === 'GET') return [200, this.told_teaching()];
+      if (this.control.holder !== me.name) return fail(409, 'control_needed', 'take control first');
+      if (method === 'DELETE') this.end_teaching('given_up', me.name);
+      else {
+        const { scan, line_version, process_sha256 } = this.told_teaching();
+        this.teaching.dry_run = { scan, line_version, process_sha256, who: me.name, time: new Date().toISOString() };
+      }
+      this.push('teaching', this.told_teaching());
+      return method === 'DELETE' ? [204, null] : [200, this.told_teaching()];
+    }
+    if ((path === '/commands/start' || path === '/commands/rescan') && this.control.holder === me.name) {
+      const open = this.teaching && !this.teaching.ended;
+      if (!given.hold && open) this.end_teaching('given_up', me.name);
+      if (given.hold && !(open && path === '/commands/rescan')) this.begin_teaching(me.name);
+      if (this.teaching) this.push('teaching', this.told_teaching());
+      return [202, { done: false }];
+    }
     if (path.startsWith('/commands/')) return this.control.holder === me.name ? [202, { done: false }] : fail(409, 'control_needed', 'take control first');
     if (path === '/models' && method === 'POST') {
+      const taught = this.teaching && given.scan === this.teaching.scan ? this.told_teaching() : null;
+      if (taught && !given.not_run && taught.steps[4].state !== 'done') return fail(409, 'wrong_state', `${given.scan} was not run in the air yet`);
       this.models.push({ ...given, version: 1, time: new Date().toISOString() });
+      if (taught) {
+        this.teaching.model = given.name;
+        this.end_teaching('saved', me.name);
+        this.push('teaching', this.told_teaching());
+      }
       return [201, this.models.at(-1)];
     }
     if (path === '/models') return [200, { models: this.models, release: this.release ?? null }];

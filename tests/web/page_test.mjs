@@ -84,6 +84,8 @@ const views = [
 ];
 
 say('every view, light and dark, at three widths');
+// Somebody teaches meanwhile: the view has all its steps.
+cell.begin_teaching('berta');
 for (const [width, height, scheme] of [[390, 844, 'light'], [390, 844, 'dark'], [1280, 900, 'light'], [1280, 900, 'dark'], [2560, 1440, 'light'], [2560, 1440, 'dark']]) {
   const one = await open(browser, { width, height, scheme });
   await one.context.addCookies(await anna.context.cookies());
@@ -411,10 +413,18 @@ check(
 );
 
 say('teach: from a scan that waits to a model');
+cell.teaching = null;
 Object.assign(cell.scans[0], { decision: 'held' });
 cell.push('scan', cell.scans[0]);
 cell.push('state', cell.told_state());
 await anna.page.goto(`${address}#/teach`);
+await anna.page.getByText('scan-0004 waits, and nobody teaches it.', { exact: false }).waitFor();
+check((await anna.page.getByRole('button', { name: 'Run in the air' }).count()) === 0, 'what nobody teaches has steps');
+// Somebody begins in another browser: this one sees it.
+cell.begin_teaching('berta');
+cell.push('teaching', cell.told_teaching());
+await anna.page.getByText('berta has taught since', { exact: false }).waitFor();
+await anna.page.getByText('Next: the process.', { exact: false }).waitFor();
 await anna.page.getByText('scan-0004 is held.').waitFor();
 check(await anna.page.getByRole('button', { name: 'Run in the air' }).isDisabled(), 'an arm that runs without control');
 await otto.page.goto(`${address}#/teach`);
@@ -422,7 +432,7 @@ await otto.page.getByText('An engineer may change this.').waitFor();
 check(await otto.page.getByRole('button', { name: 'Plan with this process' }).isDisabled(), 'an operator may teach');
 await otto.page.getByRole('button', { name: 'Release control' }).click();
 await anna.page.getByText('Nobody has control').waitFor();
-await anna.page.getByRole('button', { name: 'Take control' }).click();
+await anna.page.getByRole('button', { name: 'Take control and go on' }).click();
 await anna.page.getByText('You have control', { exact: true }).waitFor();
 const process_step = anna.page.getByRole('region', { name: 'Process and dry run' });
 await process_step.getByLabel('Process').selectOption('cement');
@@ -432,6 +442,48 @@ await process_step.getByRole('button', { name: 'Plan with this process' }).click
 await anna.page.getByText('The path is planned with cement.').waitFor();
 check(cell.calls.some((one) => one.path === '/scans/scan-0004/process' && one.body.process === 'cement'), 'the process did not arrive');
 await process_step.locator('iframe').waitFor();
+await process_step.getByText('Nobody has looked at the dry run yet.').waitFor();
+await process_step.getByRole('button', { name: 'I have looked at the dry run' }).click();
+await process_step.getByText('anna looked at it', { exact: false }).waitFor();
+const seen = cell.calls.findLast((one) => one.path === '/teachings/1/dry-run').body;
+check(seen.scan === 'scan-0004' && seen.process_sha256.length === 64, `seen ${JSON.stringify(seen)}`);
+
+say('teach: another browser stands at the same step, and the first one after a reload');
+const second = await open(browser);
+await second.page.goto(address);
+await log_in(second.page, 'anna', 'correct horse');
+await second.page.getByText('anna, administrator').waitFor();
+await second.page.goto(`${address}#/teach`);
+await anna.page.reload();
+for (const { page } of [second, anna]) {
+  await page.getByText('Next: the run in the air.', { exact: false }).waitFor();
+  await page.getByText('scan-0004 is held.').waitFor();
+  const step = page.getByRole('region', { name: 'Process and dry run' });
+  await step.getByText('(done)').waitFor();
+  await step.getByText('anna looked at it', { exact: false }).waitFor();
+  check((await step.getByLabel('Process').inputValue()) === 'cement', 'another process than the service has');
+}
+await look_for_faults(second.page, 'teach in a second browser');
+// Where the line changes, what was seen of the one before is open again, in both.
+cell.scans[0].line_version += 1;
+cell.push('scan', cell.scans[0]);
+for (const { page } of [second, anna]) await page.getByText('The line has changed since.').first().waitFor();
+// Nothing is saved unseen that was not run: only somebody's own word does.
+const second_save = second.page.getByRole('region', { name: 'Save the model' });
+check(await second_save.getByRole('button', { name: 'Save' }).isDisabled(), 'what was not run may be saved');
+await second_save.getByLabel('It was not run in the air so', { exact: false }).check();
+check(await second_save.getByRole('button', { name: 'Save' }).isEnabled(), 'a person\'s word saves nothing');
+await second.context.close();
+
+say('teach: look again, where the cell offers it');
+check((await anna.page.getByRole('button', { name: 'Look again' }).count()) === 0, 'a look that the cell does not offer');
+cell.may_look = true;
+cell.push('state', cell.told_state());
+await anna.page.getByRole('button', { name: 'Look again' }).click();
+await anna.page.getByText('The sensor looks whether the shoe still lies there.').waitFor();
+check(cell.looks === 1, `${cell.looks} looks`);
+cell.may_look = false;
+cell.push('state', cell.told_state());
 say('teach: a scan that grows too old is scanned again, and gets the same process');
 const air_button = anna.page.getByRole('button', { name: 'Run in the air' });
 cell.fresh_s = 0;
@@ -450,16 +502,17 @@ cell.process_files.set('scan-0005', cell.process_files.get('scan-0004'));
 cell.push('scan', cell.scans[0]);
 cell.push('state', cell.told_state());
 await anna.page.getByText('scan-0005 is held.').waitFor();
-await process_step.getByText('(done)').waitFor();
+await anna.page.getByText('This was done with another scan of the shoe.').first().waitFor();
 // No tab says it: a reload, or another browser, finds the same.
 await anna.page.reload();
 await anna.page.getByText('scan-0005 is held.').waitFor();
-await process_step.getByText('(done)').waitFor();
 await process_step.getByText('Planned with cement.').waitFor();
 check((await process_step.getByLabel('Process').inputValue()) === 'cement', 'the process is gone with the tab');
 check(!cell.calls.some((one) => one.path === '/scans/scan-0005/process'), 'a tab chooses the process of the next scan');
 await anna.page.getByRole('button', { name: 'Run in the air' }).click();
 await anna.page.getByText('The arm has run the whole path in the air, 161 s').waitFor();
+await process_step.getByText('(done)').waitFor();
+check(cell.teaching.dry_run.scan === 'scan-0005', 'who let the arm run has not looked at the dry run');
 const save_step = anna.page.getByRole('region', { name: 'Save the model' });
 await save_step.getByLabel('Name').fill('taught-40');
 await save_step.getByLabel('Size').fill('EU 40');
@@ -467,6 +520,7 @@ await save_step.getByLabel('Sample of').fill('runner-42');
 await save_step.getByRole('button', { name: 'Save' }).click();
 await anna.page.getByText('Work this shoe now as taught-40.', { exact: false }).waitFor();
 const taught = cell.calls.findLast((one) => one.path === '/models' && one.method === 'POST').body;
+await anna.page.getByText('anna has saved taught-40.').waitFor();
 check(JSON.stringify(taught) === '{"name":"taught-40","size":"EU 40","of":"runner-42","scan":"scan-0005"}', `taught ${JSON.stringify(taught)}`);
 await look_for_faults(anna.page, 'taught');
 await anna.page.screenshot({ path: join(pictures, 'taught_1280.png'), fullPage: true });

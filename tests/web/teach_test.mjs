@@ -89,12 +89,17 @@ async function teach() {
   check((await air.textContent()).startsWith('The arm has run the whole path in the air'), `in the air: ${await air.textContent()}`);
   say('the arm has run in the air');
   const waiting = await ask('GET', `/scans/${scan}`);
+  const { teaching } = await ask('GET', '/state');
+  check(teaching?.step === 'model', `after the run in the air the teaching stands at ${teaching?.step}`);
   check(waiting.sent === false && waiting.decision === 'held', `after the run in the air: ${waiting.decision}, sent ${waiting.sent}`);
 
   await step('Save the model').getByLabel('Name').fill('sample-42');
   await decide(step('Save the model').getByRole('button', { name: 'Save' }));
   await page.getByText('Work this shoe now as sample-42.', { exact: false }).waitFor();
   const saved_s = (Date.now() - begun) / 1000;
+  const taught = await ask('GET', `/teachings/${teaching?.id}`);
+  const ran = taught.followed?.scan === scan && taught.followed.process_sha256 === taught.process_sha256;
+  check(ran && taught.ended_how === 'saved' && taught.model === 'sample-42', `taught ${JSON.stringify(taught)}`);
   if (shoe.length > 0) {
     row('from the start to the saved model, without the run in the air', saved_s - air_s, 's', 60);
     row('run in the air', air_s, 's', null);

@@ -143,6 +143,7 @@ Json Api::control_json() const {
 Answer Api::read_state(const Call&) {
   Json state = rooms_.cell.state();
   state["control"] = control_json();
+  state["teaching"] = teaching_json();
   state["seq"] = rooms_.last_seq ? rooms_.last_seq() : 0;
   return ok(std::move(state));
 }
@@ -221,8 +222,14 @@ Answer Api::start(const Call& call) {
     if (!stock) return answer_of(stock.error());
     if (const auto found = stock->processes.find(job.process); !found) return answer_of(found.error());
   }
+  const memory::UnixMs heard = memory::now_ms();
   const Result<void> done = rooms_.cell.start(job, speaker(call));
   if (!done) return answer_of(done.error());
+  if (job.hold) {
+    teach_.begin(call.person.name, heard);
+  } else {
+    teach_.give_up(call.person.name);
+  }
   static_cast<void>(rooms_.memory.log({.id = 0,
                                        .time = memory::now_ms(),
                                        .who = call.person.name,
@@ -239,12 +246,20 @@ Answer Api::rescan(const Call& call) {
   const std::string why = fields.text("why", bounds::k_why);
   const bool hold = fields.boolean("hold").value_or(false);
   if (const std::optional<Answer> faults = fields.faults()) return *faults;
+  const memory::UnixMs heard = memory::now_ms();
+  // The scan that waits is rejected with it: what was taught of it is looked at before.
+  static_cast<void>(teach_.look());
   const Result<void> done = rooms_.cell.rescan({.who = call.person.name,
                                                 .why = why,
                                                 .door = call.request.door,
                                                 .hold = hold,
                                                 .stops = call.request.stops});
   if (!done) return answer_of(done.error());
+  if (hold) {
+    teach_.begin_or_go_on(call.person.name, heard);
+  } else {
+    teach_.give_up(call.person.name);
+  }
   static_cast<void>(rooms_.memory.log({.id = 0,
                                        .time = memory::now_ms(),
                                        .who = call.person.name,

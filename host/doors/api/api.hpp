@@ -14,6 +14,7 @@
 #include "host/doors/api/routes.hpp"
 #include "host/doors/api/stock.hpp"
 #include "host/doors/api/stop_log.hpp"
+#include "host/doors/api/teach.hpp"
 #include "host/doors/control/messages.hpp"
 #include "host/records/memory/factory_day.hpp"
 #include "host/records/memory/memory.hpp"
@@ -54,7 +55,8 @@ class Api {
   explicit Api(Rooms rooms)
       : rooms_{std::move(rooms)},
         mounted_{rooms_.memory, rooms_.cell},
-        stop_log_{rooms_.memory, rooms_.accounts} {}
+        stop_log_{rooms_.memory, rooms_.accounts},
+        teach_{rooms_.memory, rooms_.cell, rooms_.results, rooms_.publish} {}
 
   /// Stop, Laser off and the line's reading, at once: neither the memory nor a password is waited for.
   /// Nothing for all else; also for a stop from another machine by somebody whom only the memory may know.
@@ -62,6 +64,8 @@ class Api {
   [[nodiscard]] control::Answer ordinary(const control::Request& request);
   /// A model's file, an arm or a sensor that is asked: seconds, for which no other request waits.
   [[nodiscard]] static bool is_long(const control::Request& request);
+  /// `teaching` of the state; null: nobody teaches.
+  [[nodiscard]] Json teaching_json();
 
  private:
   // `Answer operationId(const Call&)` for each operation that the API's documents give to the service.
@@ -86,9 +90,12 @@ class Api {
   [[nodiscard]] std::optional<control::Answer> choose_process_of_model(const std::string& scan,
                                                                        const std::string& process, bool other,
                                                                        transfer::SaveOptions& options);
+  /// Why the model would not be what was run in the air; empty: it would, or nobody teaches the scan.
+  [[nodiscard]] Result<std::string> not_run_in_air(const std::string& scan,
+                                                   const transfer::SaveOptions& options);
   /// 201 for a model that is new or in the place of another: in the log and told to all doors.
   [[nodiscard]] control::Answer tell_of_model(const Call& call, const transfer::ModelInfo& model,
-                                              const std::string& action, const std::string& scan);
+                                              const std::string& action, const std::string& after);
   [[nodiscard]] Result<std::string> newest_with_line() const;
   [[nodiscard]] Result<Stock> stock() const;
   [[nodiscard]] Json control_json() const;
@@ -96,6 +103,7 @@ class Api {
   Rooms rooms_;
   MountedRoom mounted_;
   StopLog stop_log_;
+  TeachRoom teach_;
 };
 
 }  // namespace biteline::api

@@ -126,6 +126,14 @@ std::optional<Answer> Api::choose_process_of_model(const std::string& scan, cons
   return std::nullopt;
 }
 
+Result<std::string> Api::not_run_in_air(const std::string& scan, const transfer::SaveOptions& options) {
+  // A scan without a process of its own was planned with none.
+  const Result<std::string> process = options.process_file.empty() ? Result<std::string>{std::string{}}
+                                                                   : digest_of_file(options.process_file);
+  if (!process) return tl::unexpected<Error>{process.error()};
+  return teach_.not_run(scan, *process);
+}
+
 Answer Api::save_model(const Call& call) {
   Fields fields{call.request.body};
   const std::string name = fields.text("name", bounds::k_name, true);
@@ -137,6 +145,7 @@ Answer Api::save_model(const Call& call) {
   made.of = fields.text("of", bounds::k_name);
   const bool replace = fields.boolean("replace").value_or(false);
   const bool other_process = fields.boolean("other_process").value_or(false);
+  const bool not_run_said = fields.boolean("not_run").value_or(false);
   if (!is_name(name)) fields.fault("name", "letters, digits, '.', '_', '-', at most 64, expected");
   if (!is_scan_id(scan)) fields.fault("scan", "scan-0001 expected");
   if (!made.of.empty() && !is_name(made.of)) fields.fault("of", "a model's name expected");
@@ -153,18 +162,25 @@ Answer Api::save_model(const Call& call) {
     return control::refusal(409, "exists", "model " + name + " exists; say replace, or choose another name");
   if (!fs::is_directory(rooms_.results / scan))
     return control::refusal(404, "not_found", scan + ": no such scan");
+  const Result<std::string> not_run = not_run_in_air(scan, options);
+  if (!not_run) return answer_of(not_run.error());
+  if (!not_run->empty() && !not_run_said)
+    return control::refusal(409, "wrong_state",
+                            *not_run + ": run it (POST /scans/" + scan + "/air), or say not_run");
   const Result<transfer::ModelInfo> model = rooms_.models.save(name, rooms_.results / scan, options);
   if (!model) return answer_of(model.error());
   if (const Result<std::string> sha256 =
           digest_of_file(rooms_.models.path_of(name) / transfer::k_process_file))
     rooms_.cell.model_saved(*sha256, call.person.name);
-  return tell_of_model(call, *model, replace ? "replace model" : "save model", scan);
+  teach_.saved(scan, name, call.person.name);
+  return tell_of_model(call, *model, replace ? "replace model" : "save model",
+                       not_run->empty() ? scan : scan + ", not run: " + *not_run);
 }
 
 Answer Api::tell_of_model(const Call& call, const transfer::ModelInfo& model, const std::string& action,
-                          const std::string& scan) {
+                          const std::string& after) {
   if (rooms_.publish) rooms_.publish("model", model_json(model));
-  if (const auto logged = rooms_.memory.log(event(call, action, model.name, "", scan)); !logged)
+  if (const auto logged = rooms_.memory.log(event(call, action, model.name, "", after)); !logged)
     return unlogged("model " + model.name + " is saved", logged.error());
   return ok(model_json(model), 201);
 }

@@ -120,8 +120,11 @@ Answer Api::start_for_line(const Call& call) {
   if (!request) return line_answer(Refusal::BadRequest);
   const Cell::LineStart start =
       rooms_.cell.start_for_line(*request, rooms_.accounts.holder().has_value(), call.request.stops);
-  if (start.fresh)
+  if (start.fresh) {
+    // Its scans are held no more.
+    if (start.refusal == Refusal::None) teach_.give_up("the line's control");
     static_cast<void>(rooms_.memory.log(line_event(call.request.door, "start", std::to_string(*request))));
+  }
   return line_answer(start.refusal);
 }
 

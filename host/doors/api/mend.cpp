@@ -195,6 +195,7 @@ Answer Api::mend_scan(const Call& call) {
         return unlogged("the line of " + id + " is mended", kept.error());
     }
     if (rooms_.publish) rooms_.publish("scan", to_json(**row));
+    static_cast<void>(teach_.look());
     return ok(to_json(**row));
   }
   if (!mended) return answer_of(mended.error());

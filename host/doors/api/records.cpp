@@ -182,6 +182,7 @@ Answer Api::choose_process(const Call& call) {
   if (const auto stored = stock->processes.find(process); !stored) return answer_of(stored.error());
   const Result<void> chosen = rooms_.cell.choose_process(id, process, speaker(call));
   if (!chosen) return answer_of(chosen.error());
+  teach_.chose_process(id, call.person.name);
   return begun(call, "choose process", process, "the path of " + id + " is planned with " + process);
 }
 
@@ -190,10 +191,23 @@ Answer Api::run_in_air(const Call& call) {
   Fields fields{call.request.body};
   if (const std::optional<Answer> faults = fields.faults()) return *faults;
   if (!is_scan_id(id)) return control::refusal(404, "not_found", "no such scan; GET /scans lists them");
+  const std::string before = teach_.before_air(id);
   const Result<void> begins = rooms_.cell.run_in_air(id, speaker(call));
   if (!begins) return answer_of(begins.error());
+  teach_.runs_in_air(id, call.person.name, before);
   return begun(call, "run in the air", "",
                "the arm runs the path of " + id + " in the air, if the gate opens");
+}
+
+Answer Api::look_again(const Call& call) {
+  const std::string& id = call.names.front();
+  Fields fields{call.request.body};
+  if (const std::optional<Answer> faults = fields.faults()) return *faults;
+  if (!is_scan_id(id)) return control::refusal(404, "not_found", "no such scan; GET /scans lists them");
+  const Result<void> looks = rooms_.cell.look_again(id, speaker(call));
+  if (!looks) return answer_of(looks.error());
+  return begun(call, "look again", "",
+               "the sensor looks whether the shoe of " + id + " still lies as scanned");
 }
 
 Answer Api::keep_scan(const Call& call) {

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "host/records/memory/database.hpp"
+#include "host/records/memory/teaching.hpp"
 
 namespace biteline::memory {
 
@@ -162,6 +163,18 @@ class Memory {
   [[nodiscard]] Result<std::vector<std::string>> folders_to_go(const Retention& retention,
                                                                const std::filesystem::path& results) const;
   [[nodiscard]] Result<void> forget_folder(const std::string& name, const LogRow& event);
+
+  /// A new one (id 0) gets its number; the rest of its facts, and the log line where there is one, all or
+  /// nothing.  Who began it and when does not change any more.
+  [[nodiscard]] Result<std::int64_t> put_teaching(const Teaching& teaching,
+                                                  const std::optional<LogRow>& event = {});
+  /// Newest first; `before_id` 0: from the newest.
+  [[nodiscard]] Result<std::vector<Teaching>> teachings(std::int64_t before_id, int limit) const;
+  [[nodiscard]] Result<std::optional<Teaching>> teaching(std::int64_t id) const;
+  /// The newest that is or was about this scan, and was not given up.
+  [[nodiscard]] Result<std::optional<Teaching>> teaching_of(const std::string& scan) const;
+  /// The newest scan of this time or later that waits for a person by its row; empty: none.
+  [[nodiscard]] Result<std::string> held_since(UnixMs time) const;
 
   /// In the factory's hours, days or weeks; those without a shoe are left out.
   [[nodiscard]] Result<Trends> trends(const ScanFilter& filter, const FactoryDay& day, Span span) const;

@@ -120,6 +120,44 @@ ALTER TABLE scans ADD COLUMN foot TEXT NOT NULL DEFAULT '';
 ALTER TABLE scans ADD COLUMN size TEXT NOT NULL DEFAULT '';
 CREATE INDEX scans_part ON scans (part, id) WHERE part <> '';
 )sql",
+    // Who teaches what: facts alone, the steps follow of them.
+    R"sql(
+CREATE TABLE teachings (
+  id INTEGER PRIMARY KEY AUTOINCREMENT,
+  begun INTEGER NOT NULL,
+  begun_by TEXT NOT NULL,
+  line_version INTEGER NOT NULL,
+  process TEXT NOT NULL,
+  process_sha256 TEXT NOT NULL,
+  process_by TEXT NOT NULL,
+  verdict TEXT NOT NULL,
+  has_path INTEGER NOT NULL,
+  model TEXT NOT NULL,
+  ended INTEGER,
+  ended_by TEXT NOT NULL,
+  ended_how TEXT NOT NULL CHECK (ended_how IN ('', 'saved', 'given_up', 'replaced'))
+) STRICT;
+CREATE TABLE teaching_scans (
+  teaching INTEGER NOT NULL REFERENCES teachings (id) ON DELETE CASCADE,
+  place INTEGER NOT NULL,
+  scan TEXT NOT NULL,
+  PRIMARY KEY (teaching, place)
+) STRICT;
+CREATE INDEX teaching_scans_scan ON teaching_scans (scan, teaching);
+CREATE TABLE teaching_deeds (
+  teaching INTEGER NOT NULL REFERENCES teachings (id) ON DELETE CASCADE,
+  deed TEXT NOT NULL CHECK (deed IN ('dry_run', 'air', 'followed')),
+  scan TEXT NOT NULL,
+  line_version INTEGER NOT NULL,
+  process_sha256 TEXT NOT NULL,
+  who TEXT NOT NULL,
+  time INTEGER NOT NULL,
+  outcome TEXT NOT NULL,
+  mark TEXT NOT NULL,
+  PRIMARY KEY (teaching, deed)
+) STRICT;
+CREATE INDEX scans_held ON scans (id) WHERE decision = 'held';
+)sql",
 };
 
 Result<int> version_of(Database& database) {

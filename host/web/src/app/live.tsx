@@ -12,6 +12,7 @@ import { LiveScene, type LiveColour } from './live_scene';
 import { AskWhy, Failure, Figures, Verdict, shoe_words } from './parts';
 import { StartForm } from './start_form';
 import { act, holds_control, may, offered, use_reading, use_store } from './store';
+import { LookAgain } from './teaching';
 
 const lamp_signs: Record<string, string> = { ok: '●', warning: '▲', fault: '✖', off: '○', unknown: '?' };
 const lamp_order = ['laser', 'camera', 'robot', 'poses', 'clock'] as const;
@@ -280,6 +281,7 @@ export function Decide({ scan }: { scan: ScanRow }): JSX.Element {
           {t('accept')}
         </button>
       )}
+      <LookAgain scan={scan.id} enabled={enabled} />
       {no_word_yet && (
         <AskWhy
           label={t('reject')}

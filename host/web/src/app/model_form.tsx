@@ -15,9 +15,10 @@ export function ModelForm(props: {
   /// Another one than the scan was planned with; empty: the scan's own.
   process: string;
   enabled: boolean;
-  /// The name under which it was saved here; empty: not yet.
+  /// Its line and process were not run in the air so, and that is meant.
+  not_run?: boolean;
+  /// The name under which it was saved; empty: not yet.
   saved?: string;
-  save?: (name: string) => void;
   children?: ComponentChildren;
 }): JSX.Element {
   const [form, set_form] = useState({ name: '', size: '', foot: '', of: '' });
@@ -36,8 +37,9 @@ export function ModelForm(props: {
         ...body,
         ...(props.process === '' ? {} : { other_process: true }),
         ...(exists ? { replace: true } : {}),
+        ...(props.not_run ? { not_run: true } : {}),
       }),
-    ).then((done) => done && props.save?.(form.name));
+    );
   };
   return (
     <form

@@ -251,7 +251,7 @@ function take(event: { event: string; seq?: number; time: string; data: unknown 
   else if (event.event === 'health') {
     const sample = { time_s: Date.parse(event.time) / 1000, sensor: event.data as Sensor };
     change({ health: [...store.health.slice(-599), sample] });
-  } else if (event.event === 'model') change({ turn: store.turn + 1 });
+  } else if (event.event === 'model' || event.event === 'teaching') change({ turn: store.turn + 1 });
 }
 
 /// Reads `path` whenever it or a turn changes; keeps the last value meanwhile.

@@ -2,7 +2,7 @@
 // The steps of teaching behind the scan: process with its dry run, run in the air, model, go.
 import type { JSX } from 'preact';
 import { useEffect, useRef, useState } from 'preact/hooks';
-import type { File, Model, ProcessRow, Scan, TriedProcess } from 'openapi';
+import type { File, Model, ProcessRow, Scan, Teaching, TriedProcess } from 'openapi';
 import { number, t, t_or } from '../words';
 import { call, file_address } from './api';
 import { NotSendable, use_shown_version } from './fresh';
@@ -10,10 +10,12 @@ import { ModelForm } from './model_form';
 import { type NewestOnly, newest_only } from './newest_only';
 import { Step, Verdict } from './parts';
 import { TriedWords, type Tried } from './process_check';
-import { act, offered, use_reading, words_of } from './store';
+import { act, offered, time_words, use_reading, words_of } from './store';
+import { LookAgain, Open, is_done, see_dry_run } from './teaching';
 
 interface OfScan {
   scan: Scan;
+  teaching: Teaching;
   enabled: boolean;
 }
 
@@ -47,10 +49,9 @@ function use_fit(scan: string, name: string): Tried | null {
   return tried;
 }
 
-export function ProcessStep(
-  props: OfScan & { taken: string; chosen: boolean; dry_run: File | null },
-): JSX.Element {
-  const { scan, taken } = props;
+export function ProcessStep(props: OfScan & { dry_run: File | null }): JSX.Element {
+  const { scan, teaching } = props;
+  const taken = teaching.process_by === null ? '' : (scan.process_file ?? '');
   const { value } = use_reading<{ processes: ProcessRow[] }>('/processes');
   const [name, set_name] = useState('');
   // What the service plans with, until somebody looks for another one here.
@@ -63,9 +64,14 @@ export function ProcessStep(
       call('POST', `/scans/${scan.id}/process`, { process: name }),
     );
   return (
-    <Step number={3} name={t('teach_process')} done={props.chosen && props.dry_run !== null}>
+    <Step
+      number={3}
+      name={t('teach_process')}
+      done={is_done(teaching, 'process') && is_done(teaching, 'dry_run')}
+    >
       <p>{t('teach_process_words')}</p>
       {scan.process && <p class="quiet">{t('teach_planned_with', { process: scan.process })}</p>}
+      <Open teaching={teaching} step="process" />
       <div class="tools">
         <label>
           {t('process')}{' '}
@@ -99,6 +105,21 @@ export function ProcessStep(
             title={t('teach_dry_run')}
             src={file_address(scan.id, 'path/tracking.html')}
           />
+          <Open teaching={teaching} step="dry_run" />
+          {teaching.dry_run && (
+            <p class="quiet">
+              {t('teach_seen_by', { who: teaching.dry_run.who, time: time_words(teaching.dry_run.time) })}
+            </p>
+          )}
+          {!is_done(teaching, 'dry_run') && (
+            <button
+              type="button"
+              disabled={!props.enabled}
+              onClick={() => void act(t('done_seen'), () => see_dry_run(teaching))}
+            >
+              {t('teach_seen')}
+            </button>
+          )}
         </>
       ) : (
         <p class="quiet">{t('teach_no_path')}</p>
@@ -107,20 +128,29 @@ export function ProcessStep(
   );
 }
 
-export function AirStep({ scan, enabled, ready }: OfScan & { ready: boolean }): JSX.Element {
+export function AirStep({ scan, teaching, enabled, ready }: OfScan & { ready: boolean }): JSX.Element {
   const air = scan.air ?? null;
+  // Who lets the arm run what is shown above has looked at it.
+  const run = async () => {
+    if (!is_done(teaching, 'dry_run')) await see_dry_run(teaching);
+    await call('POST', `/scans/${scan.id}/air`);
+  };
   const look = air?.state === 'followed' ? 'good' : air?.state === 'begun' ? '' : 'refused';
   return (
-    <Step number={4} name={t('teach_air')} done={air?.state === 'followed'}>
+    <Step number={4} name={t('teach_air')} done={is_done(teaching, 'air')}>
       <p>{t('teach_air_words')}</p>
-      <button
-        type="button"
-        class={air?.state === 'followed' ? '' : 'go'}
-        disabled={!enabled || !ready || !offered('air')}
-        onClick={() => void act(t('done_air'), () => call('POST', `/scans/${scan.id}/air`))}
-      >
-        {t('teach_air_go')}
-      </button>
+      <Open teaching={teaching} step="air" />
+      <div class="tools">
+        <button
+          type="button"
+          class={is_done(teaching, 'air') ? '' : 'go'}
+          disabled={!enabled || !ready || !offered('air')}
+          onClick={() => void act(t('done_air'), run)}
+        >
+          {t('teach_air_go')}
+        </button>
+        <LookAgain scan={scan.id} enabled={enabled} />
+      </div>
       <div role="status">
         {air && (
           <p class={`notice ${look}`}>
@@ -134,27 +164,42 @@ export function AirStep({ scan, enabled, ready }: OfScan & { ready: boolean }): 
   );
 }
 
-export function SaveStep(props: OfScan & { saved: string; save: (name: string) => void }): JSX.Element {
+export function SaveStep(props: OfScan): JSX.Element {
+  const { teaching } = props;
   const { value } = use_reading<{ models: Model[] }>('/models');
+  const [meant, set_meant] = useState(false);
+  const not_run = !is_done(teaching, 'air');
   return (
-    <Step number={5} name={t('teach_save')} done={props.saved !== ''}>
+    <Step number={5} name={t('teach_save')} done={is_done(teaching, 'model')}>
       <p>{t('teach_save_words')}</p>
       {props.scan.process && <p class="quiet">{t('teach_planned_with', { process: props.scan.process })}</p>}
+      {not_run && (
+        <label>
+          <input
+            type="checkbox"
+            checked={meant}
+            disabled={!props.enabled}
+            onChange={(event) => set_meant(event.currentTarget.checked)}
+          />{' '}
+          {t('teach_not_run')}
+        </label>
+      )}
       <ModelForm
         look="tools"
         names={(value?.models ?? []).map((model) => model.name)}
         scan={props.scan.id}
         process=""
-        enabled={props.enabled}
-        saved={props.saved}
-        save={props.save}
+        enabled={props.enabled && (!not_run || meant)}
+        not_run={not_run && meant}
+        saved={teaching.model ?? ''}
       />
     </Step>
   );
 }
 
-export function GoStep(props: OfScan & { model: string; fresh: boolean }): JSX.Element {
-  const { scan, enabled, model } = props;
+export function GoStep(props: OfScan & { fresh: boolean }): JSX.Element {
+  const { scan, enabled } = props;
+  const model = props.teaching.model;
   const shown = use_shown_version(scan.id);
   const at = `/scans/${scan.id}`;
   return (

@@ -155,11 +155,9 @@ TEST(ApiStop, EachOrderSaysWhenItWasHeard) {
   LONGS_EQUAL(200, ask("POST", "/control", {{"action", "take"}}).status);
   put("scan-0001", "ok");
   heard = 41;
-  const std::pair<const char*, Json> k_orders[] = {{"/commands/start", {}},
-                                                   {"/commands/rescan", {{"why", "so"}}},
-                                                   {"/scans/scan-0001/accept", {}},
-                                                   {"/scans/scan-0001/send", {}},
-                                                   {"/scans/scan-0001/air", {}}};
+  const std::pair<const char*, Json> k_orders[] = {
+      {"/commands/start", {}},       {"/commands/rescan", {{"why", "so"}}}, {"/scans/scan-0001/accept", {}},
+      {"/scans/scan-0001/send", {}}, {"/scans/scan-0001/air", {}},          {"/scans/scan-0001/look", {}}};
   for (const auto& [path, body] : k_orders) {
     cell.stops = 99;
     CHECK_TEXT(ask("POST", path, body).status < 300, path);

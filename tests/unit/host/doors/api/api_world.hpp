@@ -21,13 +21,19 @@ struct FakeCell final : Cell {
   Result<void> next{};
   std::uint64_t stops{99};  ///< of the last order
   Job job{};                ///< of the last start
+  std::string held{};       ///< the scan that waits, where the state is to tell of one
+  std::string process_by{};
 
   Json state() override {
     Json lamps;
     for (const char* name : {"laser", "camera", "robot", "poses", "clock"})
       lamps[name] = {{"level", "ok"}, {"words", "as it should be"}};
-    return {{"version", "1.2.3"},      {"phase", "waiting"},  {"now", "waits"},
-            {"next", "the next scan"}, {"progress", nullptr}, {"lamps", std::move(lamps)}};
+    Json state{{"version", "1.2.3"},      {"phase", "waiting"},  {"now", "waits"},
+               {"next", "the next scan"}, {"progress", nullptr}, {"lamps", std::move(lamps)}};
+    if (held.empty()) return state;
+    state["held"] = {{"scan", held}, {"waits_for", "word"}, {"fresh_s", nullptr}, {"sendable", true}};
+    state["process_by"] = or_null(process_by);
+    return state;
   }
   Json robots() override { return Json::array(); }
   Json sensors() override { return Json::array(); }
@@ -107,6 +113,11 @@ struct FakeCell final : Cell {
   Result<void> run_in_air(const std::string& scan, const Speaker& who) override {
     stops = who.stops;
     did.push_back("air " + scan + " " + who.name);
+    return next;
+  }
+  Result<void> look_again(const std::string& scan, const Speaker& who) override {
+    stops = who.stops;
+    did.push_back("look " + scan + " " + who.name);
     return next;
   }
   void model_saved(const std::string& process_sha256, const std::string& who) override {
