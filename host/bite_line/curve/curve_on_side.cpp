@@ -69,15 +69,20 @@ CreaseSigns usual_along(const CurveGround& ground, std::span<const CurveState> s
   return medians_of(seen);
 }
 
+struct Highest {
+  ClosedCurve curve;
+  std::optional<CurveRival> above;  ///< a way all round above it, less likely
+};
+
 /// The curve, or one all round above it that is the likelier line, and so on.
-ClosedCurve highest_from(const CurveGround& ground, const CurveConfig& search, ClosedCurve curve,
-                         const AsWhole& as_whole) {
+Highest highest_from(const CurveGround& ground, const CurveConfig& search, ClosedCurve curve,
+                     const AsWhole& as_whole) {
   while (std::optional<CurveRival> above = way_above(ground, search, curve, k_rivals)) {
     above->as_whole = as_whole(above->states, curve.states);
-    if (log_odds_of(*above, curve, k_posterior) <= 0) break;
+    if (log_odds_of(*above, curve, k_posterior) <= 0) return {std::move(curve), std::move(above)};
     curve = {.states = std::move(above->states), .energy = curve.energy + above->excess};
   }
-  return curve;
+  return {std::move(curve), std::nullopt};
 }
 
 }  // namespace
@@ -113,13 +118,20 @@ std::optional<CurveAndRivals> best_curve(CurveGround& ground, const CurveConfig&
                                          const AsWhole& as_whole) {
   std::optional<ClosedCurve> best = CurveSearch{ground.costs, search}.best();
   if (!best) return std::nullopt;
-  ground.compare_with(usual_along(ground, highest_from(ground, search, *std::move(best), as_whole).states));
+  Highest first = highest_from(ground, search, *std::move(best), as_whole);
+  ground.compare_with(usual_along(ground, first.curve.states));
   best = CurveSearch{ground.costs, search}.best();
   if (!best) return std::nullopt;
-  ClosedCurve curve = highest_from(ground, search, *std::move(best), as_whole);
+  ClosedCurve curve = highest_from(ground, search, *std::move(best), as_whole).curve;
   std::vector<CurveRival> rivals = rivals_of(ground, search, curve, k_rivals);
   for (CurveRival& rival : rivals)
     if (rival.count == curve.states.size()) rival.as_whole = as_whole(rival.states, curve.states);
+  // What a curve itself usually shows is no witness against another one as a whole: it counts as it was
+  // found.
+  if (first.above) {
+    first.above->count = curve.states.size();
+    rivals.push_back(*std::move(first.above));
+  }
   return CurveAndRivals{.curve = std::move(curve), .rivals = std::move(rivals)};
 }
 

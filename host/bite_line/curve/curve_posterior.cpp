@@ -25,9 +25,13 @@ class Stations {
   }
 
   void add(const CurveRival& rival, double odds) {
+    const bool all_round = rival.count == places_.size();
     for (std::size_t k = 0; k < rival.count; ++k) {
       const std::size_t i = (rival.first + k) % places_.size();
-      add(i, beside(i, rival, odds));
+      const Odds other = beside(i, rival, odds);
+      // Found beside another curve, it may run on this one here and there.
+      if (all_round && std::abs(other.off_mm) <= same_mm_) continue;
+      add(i, other);
     }
   }
 

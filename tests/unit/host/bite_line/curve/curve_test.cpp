@@ -7,6 +7,7 @@
 #include <memory>
 #include <numbers>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "host/bite_line/curve/curve_costs.hpp"
@@ -265,6 +266,24 @@ TEST(CurveRivals, AFaintWayAllRoundAboveIsOneHoweverPlainTheCurveIs) {
   CHECK(!above_at(2.5F).has_value());
 }
 
+/// What a plain seam in a sole's side usually shows makes the faint line above it dear, and is no witness.
+TEST(CurveRivals, AWayAllRoundAboveCountsAsItWasFoundBeforeTheCurveWasComparedWithItself) {
+  constexpr double k_seam_mm = 14, k_line_mm = 22, k_groove_mm = 0.8;
+  const Side side = drum_side([](double, double z) {
+    return faint_mm(z, k_line_mm) - k_groove_mm * std::max(0.0, 1 - std::abs(z - k_seam_mm));
+  });
+  CurveGround ground = curve_ground(side);
+  const ClosedCurve seam = best_of(ground.costs);
+  DOUBLES_EQUAL(k_seam_mm, ground.raster.place(seam.states[5].row, 0).y(), 1.5);
+  const std::optional<CurveRival> above = way_above(ground, {}, seam, {});
+  CHECK(above.has_value());
+  const auto found = best_curve(ground, {}, [](auto, auto) { return -10.0; });
+  CHECK(found.has_value());
+  const auto is_it = [&](const CurveRival& rival) { return std::abs(rival.excess - above->excess) < 1e-6; };
+  CHECK(std::ranges::any_of(found->rivals, is_it));
+  CHECK(way_above(ground, {}, found->curve, {})->excess > 1.1 * above->excess);
+}
+
 TEST_GROUP(LedCurve){};
 
 TEST(LedCurve, FollowsTheCheapestWayThroughItsLeadsInAnyDirection) {
@@ -334,6 +353,20 @@ TEST(CurvePosterior, AnotherWayAsLikelyTakesHalfOfItsStretchAlone) {
   DOUBLES_EQUAL(15, stations[40].alternatives.front().off_mm, 1e-3);
   DOUBLES_EQUAL(0.5, stations[40].alternatives.front().mass, 1e-6);
   DOUBLES_EQUAL(1, stations[80].hold, 1e-6);
+}
+
+TEST(CurvePosterior, AWayAllRoundTakesNothingWhereItRunsOnTheCurve) {
+  const ClosedCurve best = best_of(costs_where([](int row, int) { return row == 30; }));
+  const Raster raster = blank_raster();
+  constexpr PosteriorConfig k_config{};
+  CurveRival rival{.count = best.states.size(), .above_mm = 5, .seen = true, .as_whole = -k_config.round[0]};
+  const std::size_t half = best.states.size() / 2;
+  for (std::size_t i = 0; i < best.states.size(); ++i)
+    rival.places.push_back(raster.place(best.states[i].row + (i < half ? 20 : 0), best.states[i].col));
+  const std::vector<CurveStation> stations =
+      curve_posterior(raster, best, std::span{&rival, 1}, RivalConfig{}.same_mm, k_config);
+  DOUBLES_EQUAL(0.5, stations[half / 2].hold, 1e-6);
+  DOUBLES_EQUAL(1, stations[half + half / 2].hold, 1e-6);
 }
 
 TEST(CurvePosterior, WaysThatLieTogetherCountOnce) {
