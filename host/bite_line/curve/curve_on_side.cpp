@@ -126,9 +126,11 @@ std::optional<CurveAndRivals> best_curve(CurveGround& ground, const CurveConfig&
   std::vector<CurveRival> rivals = rivals_of(ground, search, curve, k_rivals);
   for (CurveRival& rival : rivals)
     if (rival.count == curve.states.size()) rival.as_whole = as_whole(rival.states, curve.states);
-  // What a curve itself usually shows is no witness against another one as a whole: it counts as it was
-  // found.
-  if (first.above) {
+  // That a way above does not look as the curve itself usually does is no reason to forget it.
+  const auto leads_above = [&](const CurveRival& rival) {
+    return leads_all_round(rival, curve) && rival.above_mm > 0;
+  };
+  if (first.above && std::ranges::none_of(rivals, leads_above)) {
     first.above->count = curve.states.size();
     rivals.push_back(*std::move(first.above));
   }
