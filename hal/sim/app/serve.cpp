@@ -27,7 +27,8 @@ struct ServeOptions {
   std::string wires;
   std::string camera{"127.0.0.1"};
   std::string arm{"ur10e"};
-  std::uint16_t rtde_port{0}, script_port{0}, dashboard_port{0}, primary_port{0};
+  std::uint16_t rtde_port{0}, script_port{0}, dashboard_port{0}, robot_api_port{0}, primary_port{0};
+  std::string controller{"e-series"};
   int robot_rate_hz{500};
   double speed_slider{1};
   std::uint64_t arm_seed{1};
@@ -48,15 +49,16 @@ void print_endpoints(const sim::LiveCell& cell, const ServeOptions& options) {
   std::printf(
       "{\"simulated\":true,\"world\":\"%s\",\"wires\":\"%s\",\"camera\":\"%s\",\"rtde\":\"127.0.0.1:%d\","
       "\"script\":\"127.0.0.1:%d\",\"primary\":\"127.0.0.1:%d\","
-      "\"dashboard\":\"127.0.0.1:%d\",\"arm\":\"%s\",\"out\":\"%s\",\"sensor\":\"%s/"
+      "\"dashboard\":\"127.0.0.1:%d\",\"robot_api\":\"127.0.0.1:%d\",\"arm\":\"%s\",\"out\":\"%s\","
+      "\"sensor\":\"%s/"
       "sensor.yaml\",\"board\":\"%s/board.yaml\",\"scan_s\":%.3f,\"pose_sigma_mm\":%.4g,"
       "\"pose_sigma_rad\":%.4g,\"time_ratio\":%.2f,\"table_z_mm\":%.2f,\"fixture_z_mm\":%.2f,"
       "\"fixture_beyond_mm\":%.1f}\n",
       options.world.world.c_str(), cell.settings().wires.c_str(), cell.settings().camera_address.c_str(),
-      int{ports.rtde}, int{ports.script}, int{ports.primary}, int{ports.dashboard}, options.arm.c_str(),
-      options.out.c_str(), options.out.c_str(), options.out.c_str(), cell.scan_duration_s(),
-      cell.settings().pose_noise_mm, cell.settings().pose_noise_rad, cell.time_ratio(), stand.table_z_mm,
-      stand.fixture_z_mm, stand.fixture_beyond_mm);
+      int{ports.rtde}, int{ports.script}, int{ports.primary}, int{ports.dashboard}, int{ports.robot_api},
+      options.arm.c_str(), options.out.c_str(), options.out.c_str(), options.out.c_str(),
+      cell.scan_duration_s(), cell.settings().pose_noise_mm, cell.settings().pose_noise_rad,
+      cell.time_ratio(), stand.table_z_mm, stand.fixture_z_mm, stand.fixture_beyond_mm);
   std::fflush(stdout);
 }
 
@@ -107,7 +109,10 @@ Result<void> serve(const ServeOptions& options) {
   settings.robot.rtde_port = options.rtde_port;
   settings.robot.script_port = options.script_port;
   settings.robot.dashboard_port = options.dashboard_port;
+  settings.robot.robot_api_port = options.robot_api_port;
   settings.robot.primary_port = options.primary_port;
+  if (options.controller == "cb3") settings.robot.version = {3, 15, 8};
+  if (options.controller == "x") settings.robot.version = {10, 14, 0};
   settings.robot.rate_hz = options.robot_rate_hz;
   settings.robot.speed_slider_ratio = options.speed_slider;
   settings.arm_seed = options.arm_seed;
@@ -176,6 +181,13 @@ void add_serve(options::Command& app, Context& context) {
   command
       ->add_option("--dashboard-port", options->dashboard_port, "0: a free one; a real controller has 29999")
       ->capture_default_str();
+  command->add_option("--robot-api-port", options->robot_api_port, "0: a free one; a PolyScope X has 80")
+      ->capture_default_str();
+  command
+      ->add_option("--controller", options->controller,
+                   "cb3, e-series or x: a PolyScope X has the Robot API in the dashboard's place")
+      ->capture_default_str()
+      ->check(options::one_of({"cb3", "e-series", "x"}));
   command->add_option("--primary-port", options->primary_port, "0: a free one; a real controller has 30001")
       ->default_str("0");
   command->add_option("--robot-rate-hz", options->robot_rate_hz, "500: e series, 125: CB3")

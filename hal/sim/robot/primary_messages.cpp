@@ -34,16 +34,16 @@ Bytes message(std::uint8_t type, Nanoseconds stamp, const Fill& fill) {
 
 }  // namespace
 
-Bytes version(Nanoseconds stamp) {
+Bytes version(const std::array<int, 3>& version, Nanoseconds stamp) {
   constexpr std::uint8_t k_version = 3;
-  return message(k_version, stamp, [](rtde::Writer& writer) {
+  return message(k_version, stamp, [&](rtde::Writer& writer) {
     constexpr std::string_view k_project = "URControl";
     writer.put(static_cast<std::uint8_t>(k_project.size()));
     writer.put_text(k_project);
-    writer.put(std::uint8_t{5});   // major
-    writer.put(std::uint8_t{12});  // minor
-    writer.put(std::int32_t{0});   // bug fix
-    writer.put(std::int32_t{0});   // build
+    writer.put(static_cast<std::uint8_t>(version[0]));
+    writer.put(static_cast<std::uint8_t>(version[1]));
+    writer.put(std::int32_t{version[2]});
+    writer.put(std::int32_t{0});  // build
     writer.put_text("simulated by Biteline");
   });
 }
@@ -87,10 +87,10 @@ Bytes state(const Mode& mode, Nanoseconds stamp) {
   rtde::Writer writer{body};
   writer.put(static_cast<std::uint64_t>(stamp.count() / 1000));
   // Real robot connected, real robot enabled, power on, emergency stop, protective stop, program runs, pause.
-  for (const bool flag : {true, true, true, false, mode.protective_stop, mode.program_running, false})
+  for (const bool flag : {true, true, mode.powered, false, mode.protective_stop, mode.program_running, false})
     writer.put(static_cast<std::uint8_t>(flag ? 1 : 0));
-  writer.put(std::uint8_t{7});  // robot mode RUNNING
-  writer.put(std::uint8_t{0});  // control mode POSITION
+  writer.put(static_cast<std::uint8_t>(mode.powered ? 7 : 3));  // robot mode RUNNING, POWER_OFF
+  writer.put(std::uint8_t{0});                                  // control mode POSITION
   writer.put(mode.speed_slider_ratio);
   writer.put(mode.speed_scaling);
   writer.put(1.0);              // limit of the speed slider

@@ -3,6 +3,7 @@
 /// \file What the simulated controller sends over its primary and secondary interfaces: Universal Robots,
 /// "Client interfaces".  All numbers big-endian, lengths in metres.
 
+#include <array>
 #include <cstdint>
 #include <string_view>
 #include <vector>
@@ -15,7 +16,7 @@ namespace biteline::sim::primary {
 using Bytes = std::vector<std::uint8_t>;
 
 /// Robot message "version", the first one that a client gets.
-[[nodiscard]] Bytes version(Nanoseconds stamp);
+[[nodiscard]] Bytes version(const std::array<int, 3>& version, Nanoseconds stamp);
 /// Robot message "key": a program's start or end.
 [[nodiscard]] Bytes program_runs(bool runs, std::string_view program, Nanoseconds stamp);
 /// Robot message "runtime exception": a program that cannot be read, or fails.
@@ -24,7 +25,7 @@ using Bytes = std::vector<std::uint8_t>;
 [[nodiscard]] Bytes warning(std::string_view text, Nanoseconds stamp);
 
 struct Mode {
-  bool protective_stop, program_running;
+  bool powered, protective_stop, program_running;
   double speed_slider_ratio, speed_scaling;
 };
 /// Robot state with "robot mode data" alone.

@@ -10,6 +10,7 @@
 
 #include "hal/sim/robot/blends.hpp"
 #include "hal/sim/robot/primary_messages.hpp"
+#include "hal/sim/robot/robot_api.hpp"
 
 namespace biteline::sim {
 
@@ -17,6 +18,7 @@ namespace {
 
 constexpr std::size_t k_longest_script_bytes = 8U << 20U;
 constexpr std::size_t k_longest_line_bytes = 1000;
+constexpr int k_polyscope_3 = 3, k_polyscope_x = 10;
 
 /// A client that reads nothing for so long that this piles up is cut off.
 constexpr std::size_t k_most_waiting_bytes = 4U << 20U;
@@ -97,7 +99,11 @@ Result<std::unique_ptr<UrController>> UrController::open(const Config& config, A
   std::unique_ptr<UrController> controller(new UrController(config, arm, std::move(on_cycle)));
   BITELINE_ASSIGN(controller->rtde_listener_, listen_on_loopback(config.rtde_port));
   BITELINE_ASSIGN(controller->script_listener_, listen_on_loopback(config.script_port));
-  BITELINE_ASSIGN(controller->dashboard_listener_, listen_on_loopback(config.dashboard_port));
+  if (config.version[0] >= k_polyscope_x) {
+    BITELINE_ASSIGN(controller->robot_api_listener_, listen_on_loopback(config.robot_api_port));
+  } else {
+    BITELINE_ASSIGN(controller->dashboard_listener_, listen_on_loopback(config.dashboard_port));
+  }
   BITELINE_ASSIGN(controller->primary_listener_, listen_on_loopback(config.primary_port));
   // Whole microseconds: the pose bus stamps in them.
   controller->begin_ =
@@ -118,6 +124,7 @@ void UrController::serve() {
     serve_rtde();
     serve_scripts();
     serve_dashboard();
+    serve_robot_api();
     if (hal::monotonic_now() < instant_of(number)) continue;
     cycle(number);
     // A cycle that came too late is skipped, never caught up: its instant is gone.
@@ -128,11 +135,14 @@ void UrController::serve() {
 
 void UrController::wait_until(SensorClock::time_point instant) {
   std::vector<pollfd> waits;
-  for (const auto* listener : {&rtde_listener_, &script_listener_, &dashboard_listener_, &primary_listener_})
+  for (const auto* listener :
+       {&rtde_listener_, &script_listener_, &dashboard_listener_, &robot_api_listener_, &primary_listener_})
     waits.push_back({listener->socket.number(), POLLIN, 0});
   for (const auto& client : rtde_clients_) waits.push_back({client->socket.number(), POLLIN, 0});
   for (const auto& client : script_clients_) waits.push_back({client->socket.number(), POLLIN, 0});
-  for (const auto& client : dashboard_clients_) waits.push_back({client->socket.number(), POLLIN, 0});
+  for (const auto* clients : {&dashboard_clients_, &robot_api_clients_}) {
+    for (const auto& client : *clients) waits.push_back({client->socket.number(), POLLIN, 0});
+  }
   const std::int64_t left_ns = std::max<std::int64_t>(0, (instant - hal::monotonic_now()).count());
   const timespec timeout{.tv_sec = left_ns / 1'000'000'000, .tv_nsec = left_ns % 1'000'000'000};
   ppoll(waits.data(), waits.size(), &timeout, nullptr);
@@ -161,13 +171,15 @@ void UrController::cycle(std::uint64_t number) {
     tell(primary::program_runs(state.program_running, state.program_name, stamp_now()));
   const ArmReal real = arm_.real_at(instant);
   const Nanoseconds stamp = instant.time_since_epoch() + config_.clock_offset;
-  if (protective_stop_) arm_.stop(instant);
+  if (protective_stop_ || !powered_) arm_.stop(instant);
+  values_.set_powered(powered_);
   values_.set_protective_stop(protective_stop_);
   values_.set_digital_inputs(digital_inputs_);
   values_.advance(state, real, static_cast<double>(stamp.count()) * 1e-9);
   const std::uint64_t cycles_per_state = static_cast<std::uint64_t>(std::max(1, config_.rate_hz / 10));
   if (std::exchange(states_sent_, number / cycles_per_state) != number / cycles_per_state) {
-    const std::vector<std::uint8_t> told = primary::state({.protective_stop = protective_stop_,
+    const std::vector<std::uint8_t> told = primary::state({.powered = powered_,
+                                                           .protective_stop = protective_stop_,
                                                            .program_running = state.program_running,
                                                            .speed_slider_ratio = values_.speed_slider_ratio(),
                                                            .speed_scaling = values_.speed_scaling()},
@@ -197,8 +209,13 @@ void UrController::pass_on(RtdeClient& client) {
 
 void UrController::accept_clients() {
   if (hal::Descriptor socket = accept_from(rtde_listener_); socket.is_open()) {
-    rtde_clients_.push_back(std::make_unique<RtdeClient>(rtde::ControllerSession::Config{
-        .rate_hz = static_cast<double>(config_.rate_hz), .owners = input_owners_}));
+    rtde_clients_.push_back(std::make_unique<RtdeClient>(
+        rtde::ControllerSession::Config{.version = {.major = static_cast<std::uint32_t>(config_.version[0]),
+                                                    .minor = static_cast<std::uint32_t>(config_.version[1]),
+                                                    .bugfix = static_cast<std::uint32_t>(config_.version[2]),
+                                                    .build = 0},
+                                        .rate_hz = static_cast<double>(config_.rate_hz),
+                                        .owners = input_owners_}));
     rtde_clients_.back()->socket = std::move(socket);
     rtde_clients_.back()->session.start();
   }
@@ -208,7 +225,8 @@ void UrController::accept_clients() {
       ScriptClient& client = *script_clients_.back();
       client.socket = std::move(socket);
       client.primary = listener == &primary_listener_;
-      for (const auto& told : {primary::version(stamp_now()), primary::kinematics(arm_.kinematics())})
+      for (const auto& told :
+           {primary::version(config_.version, stamp_now()), primary::kinematics(arm_.kinematics())})
         client.outgoing.insert(client.outgoing.end(), told.begin(), told.end());
     }
   }
@@ -216,6 +234,10 @@ void UrController::accept_clients() {
     dashboard_clients_.push_back(std::make_unique<Client>());
     dashboard_clients_.back()->socket = std::move(socket);
     append(dashboard_clients_.back()->outgoing, "Connected: Universal Robots Dashboard Server\n");
+  }
+  if (hal::Descriptor socket = accept_from(robot_api_listener_); socket.is_open()) {
+    robot_api_clients_.push_back(std::make_unique<Client>());
+    robot_api_clients_.back()->socket = std::move(socket);
   }
 }
 
@@ -245,7 +267,7 @@ void UrController::serve_scripts() {
 }
 
 void UrController::run_script(const std::string& text) {
-  if (protective_stop_ || !remote_control_) {
+  if (protective_stop_ || !remote_control_ || !powered_) {
     // As a real one: nothing moves, and the script port says nothing.
     ++scripts_refused_;
     return;
@@ -293,10 +315,37 @@ void UrController::serve_dashboard() {
   drop_dead(dashboard_clients_);
 }
 
+void UrController::serve_robot_api() {
+  using robot_api::Order;
+  for (const auto& client : robot_api_clients_) {
+    const bool alive = read_available(client->socket, client->incoming);
+    if (const auto request = robot_api::take_request(client->incoming); request && !client->closing) {
+      const auto now = hal::monotonic_now();
+      const robot_api::Answer answer =
+          robot_api::answer_to(*request, {.version = config_.version,
+                                          .remote = remote_control_,
+                                          .powered = powered_,
+                                          .protective_stop = protective_stop_,
+                                          .program_running = arm_.at(now).program_running,
+                                          .model = config_.model,
+                                          .serial = config_.serial});
+      if (answer.order == Order::Stop) arm_.stop(now);
+      if (answer.order == Order::PowerOff || answer.order == Order::PowerOn)
+        powered_ = answer.order == Order::PowerOn;
+      if (answer.order == Order::UnlockProtectiveStop) protective_stop_ = false;
+      append(client->outgoing, robot_api::http_text(answer));
+      client->closing = true;
+    }
+    if (client->incoming.size() > k_most_unread_states) client->socket.close();
+    if (!write_available(client->socket, client->outgoing) || !alive) client->socket.close();
+  }
+  drop_dead(robot_api_clients_);
+}
+
 std::string UrController::dashboard_answer(const std::string& line, Client& client) {
   const auto now = hal::monotonic_now();
   const ArmState state = arm_.at(now);
-  if (line == "robotmode") return "Robotmode: RUNNING";
+  if (line == "robotmode") return powered_ ? "Robotmode: RUNNING" : "Robotmode: POWER_OFF";
   if (line == "safetystatus" || line == "safetymode") {
     return (line == "safetymode" ? "Safetymode: " : "Safetystatus: ") +
            std::string(protective_stop_ ? "PROTECTIVE_STOP" : "NORMAL");
@@ -310,9 +359,13 @@ std::string UrController::dashboard_answer(const std::string& line, Client& clie
     return (state.program_running ? "PLAYING " : "STOPPED ") +
            (state.program_name.empty() ? "<unnamed>" : state.program_name);
   }
-  if (line == "is in remote control") return remote_control_ ? "true" : "false";
+  if (line == "is in remote control" && config_.version[0] != k_polyscope_3)
+    return remote_control_ ? "true" : "false";
   // Four numbers: some clients take nothing else.
-  if (line == "PolyscopeVersion") return "URSoftware 5.12.0.0 (simulated by Biteline)";
+  if (line == "PolyscopeVersion") {
+    return "URSoftware " + std::to_string(config_.version[0]) + "." + std::to_string(config_.version[1]) +
+           "." + std::to_string(config_.version[2]) + ".0 (simulated by Biteline)";
+  }
   if (line == "get serial number") return config_.serial;
   if (line == "get robot model") return config_.model;
   if (line == "stop") {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file A simulated UR controller on loopback: RTDE, script port, primary interface, dashboard.
+/// \file A simulated UR controller on loopback: RTDE, script port, primary interface, dashboard or Robot API.
 
+#include <array>
 #include <atomic>
 #include <functional>
 #include <memory>
@@ -18,27 +19,30 @@ namespace biteline::sim {
 /// the real one; moves whose blends meet are skipped and warned of; of a script that cannot be read nothing
 /// moves.  Both are said as robot messages to the clients of the primary port, and nowhere else.
 ///
-/// Dashboard: robotmode, safetystatus, safetymode, running, programState, stop, "is in remote control",
-/// "unlock protective stop", PolyscopeVersion, "get robot model", "get serial number", quit; other lines get
-/// the real one's answer to the unknown.  Script port and primary port send version and kinematics to who
+/// A CB3 (software 3) or an e-Series (5) has a dashboard: robotmode, safetystatus, safetymode, running,
+/// programState, stop, "is in remote control", "unlock protective stop", PolyscopeVersion, "get robot model",
+/// "get serial number", quit; other lines get the real one's answer to the unknown.  A PolyScope X (10) has
+/// the Robot API instead (robot_api.hpp).  Script port and primary port send version and kinematics to who
 /// connects and the robot's mode ten times a second (primary_messages.hpp) and take scripts; who does not
 /// read there loses states.  The primary port tells of programs, too. Threads of a program and its watchdogs
 /// on RTDE inputs run on the controller's cycles. Thread: any for the public methods.
 class UrController {
  public:
   struct Config {
-    std::uint16_t rtde_port{0};       ///< 0: a free one; the real one has 30004
-    std::uint16_t script_port{0};     ///< 30002
-    std::uint16_t dashboard_port{0};  ///< 29999
-    std::uint16_t primary_port{0};    ///< 30001
-    int rate_hz{500};                 ///< 125: as a CB3
-    Nanoseconds clock_offset{0};      ///< controller clock minus this machine's monotonic clock
-    double speed_slider_ratio{1};     ///< where the pendant's slider stands at first
+    std::uint16_t rtde_port{0};            ///< 0: a free one; the real one has 30004
+    std::uint16_t script_port{0};          ///< 30002
+    std::uint16_t dashboard_port{0};       ///< 29999
+    std::uint16_t robot_api_port{0};       ///< 80
+    std::uint16_t primary_port{0};         ///< 30001
+    int rate_hz{500};                      ///< 125: as a CB3
+    Nanoseconds clock_offset{0};           ///< controller clock minus this machine's monotonic clock
+    double speed_slider_ratio{1};          ///< where the pendant's slider stands at first
+    std::array<int, 3> version{5, 12, 0};  ///< 3: a CB3, 5: an e-Series, 10: a PolyScope X
     std::string model{"UR5e"};
     std::string serial{"20235500001"};
   };
   struct Ports {
-    std::uint16_t rtde, script, dashboard, primary;
+    std::uint16_t rtde, script, dashboard, robot_api, primary;  ///< 0: it has none
   };
   /// Called on each cycle with the instant on this machine's monotonic clock, on the controller's thread; the
   /// state's joints are those told in target_q.
@@ -51,12 +55,14 @@ class UrController {
   UrController& operator=(const UrController&) = delete;
 
   [[nodiscard]] Ports ports() const {
-    return {rtde_listener_.port, script_listener_.port, dashboard_listener_.port, primary_listener_.port};
+    return {rtde_listener_.port, script_listener_.port, dashboard_listener_.port, robot_api_listener_.port,
+            primary_listener_.port};
   }
   /// What a person does at the pendant, and what the safety system does: the arm stops where it is and takes
   /// no program until it is let go.
   void set_remote_control(bool on) { remote_control_ = on; }
   void set_protective_stop(bool on) { protective_stop_ = on; }
+  void set_powered(bool on) { powered_ = on; }
   /// The pendant's speed slider, 0 to 1: programs go at that share of their speed, after a ramp of half a
   /// second for the whole of it.  RTDE clients may set it, too.
   void set_speed_slider(double ratio) { slider_wish_ = ratio; }
@@ -104,6 +110,7 @@ class UrController {
   void serve_rtde();
   void serve_scripts();
   void serve_dashboard();
+  void serve_robot_api();
   void run_script(const std::string& text);
   /// A robot message to who listens at the primary port.
   void tell(const std::vector<std::uint8_t>& message);
@@ -116,16 +123,16 @@ class UrController {
   OnCycle on_cycle_;
   UrValues values_;
   ProgramWatch program_watch_;
-  TcpListener rtde_listener_, script_listener_, dashboard_listener_, primary_listener_;
+  TcpListener rtde_listener_, script_listener_, dashboard_listener_, robot_api_listener_, primary_listener_;
   std::shared_ptr<rtde::InputOwners> input_owners_{std::make_shared<rtde::InputOwners>()};
-  std::atomic<bool> remote_control_{true}, protective_stop_{false}, close_scripts_{false};
+  std::atomic<bool> remote_control_{true}, protective_stop_{false}, powered_{true}, close_scripts_{false};
   std::atomic<double> slider_wish_{-1};  ///< negative: nobody has touched it
   std::atomic<double> speed_scaling_{1};
   std::atomic<std::uint64_t> digital_inputs_{0};
   double pace_ratio_{1};  ///< the arm's, on its way to slider times scaling
   std::vector<std::unique_ptr<RtdeClient>> rtde_clients_;
   std::vector<std::unique_ptr<ScriptClient>> script_clients_;
-  std::vector<std::unique_ptr<Client>> dashboard_clients_;
+  std::vector<std::unique_ptr<Client>> dashboard_clients_, robot_api_clients_;
   bool program_ran_{false};  ///< as its clients were told last
   SensorClock::time_point begin_;
   std::uint64_t states_sent_{0};  ///< periods of the primary port

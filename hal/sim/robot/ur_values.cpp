@@ -11,7 +11,7 @@ namespace {
 
 constexpr double k_m_per_mm = 1e-3;
 /// UR's numbers, RTDE guide: robot mode RUNNING, safety mode NORMAL, runtime state STOPPED and PLAYING.
-constexpr std::int32_t k_running = 7, k_normal = 1;
+constexpr std::int32_t k_running = 7, k_power_off = 3, k_normal = 1;
 constexpr std::uint32_t k_stopped = 1, k_playing = 2;
 constexpr std::uint32_t k_power_on = 1U << 0U, k_program_running = 1U << 1U;
 constexpr std::uint32_t k_safety_normal = 1U << 0U, k_safety_protective = 1U << 2U;
@@ -111,7 +111,7 @@ rtde::Value UrValues::value_of(std::string_view name) const {
   if (name == "actual_TCP_pose") return tcp_pose_;
   if (name == "actual_TCP_speed") return tcp_speed_;
   if (name == "tcp_offset") return tcp_offset_;
-  if (name == "robot_mode") return k_running;
+  if (name == "robot_mode") return powered_ ? k_running : k_power_off;
   if (name == "safety_mode" || name == "safety_status")
     return protective_stop_ ? k_protective_stop : k_normal;
   if (name == "joint_mode") {

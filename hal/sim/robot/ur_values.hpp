@@ -28,6 +28,7 @@ class UrValues final : public rtde::ValueSource, public RtdeInputs {
   [[nodiscard]] std::optional<SensorClock::time_point> written(const std::string& variable) const override;
   /// Held by the safety system, as after a collision.
   void set_protective_stop(bool on) { protective_stop_ = on; }
+  void set_powered(bool on) { powered_ = on; }
   [[nodiscard]] double speed_slider_ratio() const { return speed_slider_ratio_; }
   /// Standard inputs 0 to 7, as bits.
   void set_digital_inputs(std::uint64_t bits) { digital_inputs_ = bits; }
@@ -48,7 +49,7 @@ class UrValues final : public rtde::ValueSource, public RtdeInputs {
   ArmState state_;
   double timestamp_s_{0};
   double speed_slider_ratio_{1}, speed_scaling_{1};
-  bool protective_stop_{false};
+  bool protective_stop_{false}, powered_{true};
   std::uint64_t digital_inputs_{0};
   std::map<std::string, rtde::Value, std::less<>> inputs_;
   std::map<std::string, SensorClock::time_point> written_;

@@ -54,16 +54,27 @@ Result<HostPort> parse_host_port(const std::string& text) {
   return parsed;
 }
 
-Result<robot::ur::Endpoint> dashboard_of(const ControllerAddress& controller) {
+Result<robot::ur::DoorPlaces> doors_of(const ControllerAddress& controller) {
   BITELINE_ASSIGN(const HostPort script, parse_host_port(controller.script));
-  if (controller.dashboard.empty())
-    return robot::ur::Endpoint{.host = script.host, .port = robot::ur::UrLink::Config{}.dashboard_port};
-  BITELINE_ASSIGN(const HostPort dashboard, parse_host_port(controller.dashboard));
-  if (dashboard.host != script.host) {
-    return fail(Errc::InvalidArgument, "--dashboard %s and --script %s are two machines",
-                controller.dashboard.c_str(), controller.script.c_str());
+  robot::ur::DoorPlaces places{.script = {.host = script.host, .port = script.port}};
+  if (controller.dashboard.empty() && controller.robot_api.empty()) {
+    places.dashboard = {.host = script.host, .port = robot::ur::k_dashboard_port};
+    places.robot_api = {.host = script.host, .port = robot::ur::k_robot_api_port};
   }
-  return robot::ur::Endpoint{.host = dashboard.host, .port = dashboard.port};
+  const auto take = [&](const char* option, const std::string& text,
+                        robot::ur::Endpoint& into) -> Result<void> {
+    if (text.empty()) return {};
+    BITELINE_ASSIGN(const HostPort at, parse_host_port(text));
+    if (at.host != script.host) {
+      return fail(Errc::InvalidArgument, "%s %s and --script %s are two machines", option, text.c_str(),
+                  controller.script.c_str());
+    }
+    into = {.host = at.host, .port = at.port};
+    return {};
+  };
+  BITELINE_TRY(take("--dashboard", controller.dashboard, places.dashboard));
+  BITELINE_TRY(take("--robot-api", controller.robot_api, places.robot_api));
+  return places;
 }
 
 Result<std::unique_ptr<robot::ur::UrLink>> open_robot(const ControllerAddress& controller,
@@ -74,12 +85,13 @@ Result<std::unique_ptr<robot::ur::UrLink>> open_robot(const ControllerAddress& c
     return fail(Errc::InvalidArgument, "--rtde %s and --script %s are two machines", controller.rtde.c_str(),
                 controller.script.c_str());
   }
-  BITELINE_ASSIGN(const robot::ur::Endpoint dashboard, dashboard_of(controller));
+  BITELINE_ASSIGN(const robot::ur::DoorPlaces doors, doors_of(controller));
   robot::ur::UrLink::Config config;
   config.host = rtde.host;
   config.rtde_port = rtde.port;
   config.script_port = script.port;
-  config.dashboard_port = dashboard.port;
+  config.dashboard_port = doors.dashboard.port;
+  config.robot_api_port = doors.robot_api.port;
   config.connect_patience_s = connect_patience_s;
   config.claim = claim;
   return robot::ur::UrLink::open(config);
@@ -152,11 +164,11 @@ void say_tool_difference(const path::Process& process, const SE3& T_flange_tcp) 
 
 ControllerLook look_at_controller(const ControllerAddress& controller, const std::string& arm,
                                   const std::string& serial) {
-  const Result<robot::ur::Endpoint> dashboard = dashboard_of(controller);
-  ControllerLook look{
-      .words = dashboard ? robot::ur::ask_controller(*dashboard, k_dashboard_patience)
-                         : Result<robot::ur::ControllerWords>{tl::unexpected<Error>{dashboard.error()}},
-      .wrong = {}};
+  const Result<robot::ur::DoorPlaces> doors = doors_of(controller);
+  ControllerLook look{.words = doors
+                                   ? robot::ur::ask_controller(*doors, k_door_patience)
+                                   : Result<robot::ur::ControllerWords>{tl::unexpected<Error>{doors.error()}},
+                      .wrong = {}};
   if (!look.words) {
     look.wrong = to_line(look.words.error());
     return look;

@@ -9,19 +9,20 @@
 #include "common/core/result.hpp"
 #include "common/time/clocks.hpp"
 #include "host/robot/kinematics/arm_model.hpp"
-#include "host/robot/link/ur/controller_words.hpp"
+#include "host/robot/link/ur/controller_door.hpp"
 #include "host/robot/link/ur/ur_link.hpp"
 #include "host/robot/path/process.hpp"
 
 namespace biteline::service {
 
-/// For an answer on the dashboard.
-inline constexpr Nanoseconds k_dashboard_patience{2'000'000'000};
+/// For an answer of the controller about itself.
+inline constexpr Nanoseconds k_door_patience{2'000'000'000};
 
 struct ControllerAddress {
-  std::string rtde;       ///< HOST:PORT
-  std::string script;     ///< HOST:PORT
-  std::string dashboard;  ///< HOST:PORT; empty: port 29999 of the script's machine
+  std::string rtde;         ///< HOST:PORT
+  std::string script;       ///< HOST:PORT
+  std::string dashboard;    ///< HOST:PORT; empty: port 29999 of the script's machine
+  std::string robot_api{};  ///< HOST:PORT of a PolyScope X; empty: port 80 of the script's machine
 };
 
 struct HostPort {
@@ -39,8 +40,9 @@ struct HostPort {
     double connect_patience_s = robot::ur::UrLink::Config{}.connect_patience_s,
     robot::ur::ArmClaim* claim = nullptr);
 
-/// The dashboard's place; without being told, the usual port beside the script's.
-[[nodiscard]] Result<robot::ur::Endpoint> dashboard_of(const ControllerAddress& controller);
+/// Where it is asked about itself.  Of dashboard and Robot API the one that is told, or both; without being
+/// told, both at the usual ports beside the script's.
+[[nodiscard]] Result<robot::ur::DoorPlaces> doors_of(const ControllerAddress& controller);
 
 /// The arm that a path is planned for.
 struct ArmSeen {

@@ -73,6 +73,9 @@ ParsedOptions parse_options(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--dashboard", robot.dashboard,
                  "The controller's dashboard port, HOST:PORT; without: port 29999 beside --script");
+  app.add_option("--robot-api", robot.robot_api,
+                 "The Robot API of a PolyScope X, which has no dashboard, HOST:PORT; without: port 80 beside "
+                 "--script, where no dashboard answers");
   app.add_option("--serial", robot.serial, "The arm's serial number: no other one is sent a path")
       ->needs(arm);
   auto* send =

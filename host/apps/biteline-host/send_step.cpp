@@ -253,9 +253,8 @@ Result<ExitStatus> follow_path(const fs::path& folder, const PlanStep& plan, con
   const path::WayThere way =
       path::find_way_there(still->q_rad, *plan.outcome.path, plan.request.arm, collisions);
   if (!way.path) say_step("%s comes as near as %.1f mm", way.check.detail.c_str(), way.check.value);
-  BITELINE_ASSIGN(const robot::ur::Endpoint dashboard, dashboard_of(request.controller));
-  BITELINE_ASSIGN(const robot::ur::ControllerWords words,
-                  robot::ur::ask_controller(dashboard, k_dashboard_patience));
+  BITELINE_ASSIGN(const robot::ur::DoorPlaces doors, doors_of(request.controller));
+  BITELINE_ASSIGN(const robot::ur::ControllerWords words, robot::ur::ask_controller(doors, k_door_patience));
   // Right before the sending, and before the arm is looked at for the last time.
   inputs.files = files_of(request);
   BITELINE_ASSIGN(const robot::RobotState now, link->latest());

@@ -174,9 +174,9 @@ void Service::heed(const Wish& wish) {
 
 Result<void> Service::watch_pendant() {
   if (!robot_ || !robot_->options.send) return {};
-  BITELINE_ASSIGN(const robot::ur::Endpoint dashboard, dashboard_of(controller_of(robot_->options)));
+  BITELINE_ASSIGN(const robot::ur::DoorPlaces doors, doors_of(controller_of(robot_->options)));
   pendant_ = std::make_unique<robot::ur::PendantWatch>(
-      robot::ur::PendantWatch::Config{.dashboard = dashboard},
+      robot::ur::PendantWatch::Config{.doors = doors},
       [cockpit = cockpit_.get()] { cockpit->taken_at_the_pendant(); });
   return {};
 }

@@ -31,7 +31,8 @@ std::optional<path::Fixture> fixture_of(const RobotOptions& robot) {
 }
 
 ControllerAddress controller_of(const RobotOptions& robot) {
-  return {.rtde = robot.rtde, .script = robot.script, .dashboard = robot.dashboard};
+  return {
+      .rtde = robot.rtde, .script = robot.script, .dashboard = robot.dashboard, .robot_api = robot.robot_api};
 }
 
 std::string utc_now() {

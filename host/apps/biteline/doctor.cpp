@@ -25,7 +25,7 @@
 #include "host/intake/child_process.hpp"
 #include "host/intake/sensor_process.hpp"
 #include "host/records/report/json_text.hpp"
-#include "host/robot/link/ur/controller_words.hpp"
+#include "host/robot/link/ur/controller_door.hpp"
 
 namespace biteline::app {
 namespace {
@@ -175,32 +175,38 @@ Result<std::vector<Finding>> examine_board(const std::string& board_file) {
   return findings;
 }
 
-/// What the arm's controller says on its dashboard.
+/// What the arm's controller says about itself.
 Finding ask_robot(const std::string& address) {
   constexpr Nanoseconds k_patience{3'000'000'000};
-  constexpr std::uint16_t k_dashboard_port = 29999;
-  const std::size_t colon = address.rfind(':');
+  const bool told = address.rfind(':') != std::string::npos;
   const Result<wire::Endpoint> at = wire::parse_endpoint(
-      "tcp://" + address + (colon == std::string::npos ? ":" + std::to_string(k_dashboard_port) : ""));
-  const auto words = at ? robot::ur::ask_controller({.host = at->host, .port = at->port}, k_patience)
+      "tcp://" + address + (told ? "" : ":" + std::to_string(robot::ur::k_dashboard_port)));
+  const auto words = at ? robot::ur::ask_controller(
+                              {.dashboard = {at->host, at->port},
+                               .robot_api = {at->host, told ? std::uint16_t{0} : robot::ur::k_robot_api_port},
+                               .script = {at->host, robot::ur::k_primary_port}},
+                              k_patience)
                         : Result<robot::ur::ControllerWords>{tl::unexpected<Error>{at.error()}};
   const std::string what = "robot at " + address;
   if (!words) {
     // Refused: a machine is there, and nothing listens on that port.
     const bool refused = words.error().sys_errno == ECONNREFUSED;
-    return {what, false, to_line(words.error()),
-            refused
-                ? "take a controller with PolyScope 3.12.3 or 5.5.1 at least; on such a one, switch the "
-                  "dashboard server on (Settings, Security, Services)"
-                : "switch the controller on, check cable and address, allow the dashboard in its settings"};
+    return {
+        what, false, to_line(words.error()),
+        refused
+            ? "take a controller with PolyScope 3.12.3, 5.5.1 or X 10.12 at least; on such a one, switch the "
+              "dashboard server on, on PolyScope X HTTP (Settings, Security, Services)"
+            : "switch the controller on, check cable and address, allow the dashboard in its settings"};
   }
   const std::string seen = robot::ur::summary(*words);
   if (const std::optional<std::string> why = robot::ur::unsupported(*words))
     return {what, false, seen + "; " + *why,
-            "update the controller's software: PolyScope 3.12.3 or 5.5.1 at least"};
+            "update the controller's software: PolyScope 3.12.3, 5.5.1 or X 10.12 at least"};
   if (words->remote == false)
-    return {what, false, seen,
-            "switch on remote control at the teach pendant (Settings, System, Remote Control)"};
+    return {
+        what, false, seen,
+        "switch on remote control at the teach pendant (Settings, System, Remote Control; PolyScope X: Mode "
+        "Selection, Automatic, Remote)"};
   if (words->robot_mode.value_or("RUNNING") != "RUNNING")
     return {what, false, seen, "switch the arm on and release its brakes at the teach pendant"};
   return {what, true, seen, ""};

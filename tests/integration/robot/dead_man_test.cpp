@@ -265,7 +265,7 @@ ORDINARY_TIMED_TEST(DeadMan, StatesThatComeLaterAndLaterStopTheArm) {
 ORDINARY_TIMED_TEST(DeadMan, LocalControlAtThePendantIsAStop) {
   std::atomic<int> taken{0};
   ur::PendantWatch pendant{
-      {.dashboard = {"127.0.0.1", between->dashboard_port()}, .period = milliseconds{20}}, [&] {
+      {.doors = {.dashboard = {"127.0.0.1", between->dashboard_port()}}, .period = milliseconds{20}}, [&] {
         said.stop();
         ++taken;
       }};

@@ -295,7 +295,8 @@ std::string why_not_ready(const ArmFacts& arm) {
   }
   const bool cb3 = arm.told_version && is_cb3(*arm.told_version);
   if (!cb3 && arm.told_remote == false)
-    return "remote control is off: switch it on at the teach pendant (Settings, System, Remote Control)";
+    return "remote control is off: switch it on at the teach pendant (Settings, System, Remote Control; "
+           "PolyScope X: Mode Selection, Automatic, Remote)";
   return {};
 }
 

@@ -1,27 +1,29 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file What a UR controller says about itself on its dashboard.
+/// \file What a UR controller says about itself.
 
 #include <optional>
 #include <string>
 
-#include "host/robot/link/ur/dashboard.hpp"
-
 namespace biteline::robot::ur {
 
-/// Universal Robots, "Dashboard Server e-Series" and "CB3".  What a controller's version does not know is
-/// nothing, and so is an answer of another form.
+/// Of a CB3, an e-Series and a PolyScope X.  What a controller's version does not know is nothing, and so is
+/// an answer of another form.
 struct ControllerWords {
-  std::optional<std::string> version;  ///< "URSoftware 5.12.0.0 ..."
+  std::optional<std::string> version;  ///< "URSoftware 5.12.0.0 ...", "PolyScope X 10.12.1"
   std::optional<std::string> model;    ///< "UR5", also of a UR5e
   std::optional<std::string> serial;
   std::optional<bool> remote;
   std::optional<std::string> robot_mode;     ///< "RUNNING"
-  std::optional<std::string> program_state;  ///< "STOPPED <unnamed>"
+  std::optional<std::string> program_state;  ///< "STOPPED <unnamed>"; without a name on PolyScope X
+  std::string odd;                           ///< the first answer that was none; empty: each was one
 };
 
-/// One connection, six questions.  An Error when nobody answers.
-[[nodiscard]] Result<ControllerWords> ask_controller(const Endpoint& dashboard, Nanoseconds patience);
+/// Letters and figures alone, as models and serial numbers have them.
+[[nodiscard]] bool is_code(const std::string& text);
+
+/// An answer that begins with a program's state.
+[[nodiscard]] std::optional<std::string> program_state_of(const std::string& answer);
 
 /// Why paths cannot be sent to a controller of this software; nothing when they can.
 [[nodiscard]] std::optional<std::string> unsupported(const ControllerWords& words);

@@ -7,9 +7,16 @@
 namespace biteline::robot::ur {
 namespace {
 
+constexpr const char* k_remote_question = "is in remote control";
+
 constexpr Nanoseconds k_write_patience{500'000'000};
 constexpr std::size_t k_longest_line = 4096;  // who sends more without a line's end is no dashboard
 constexpr std::size_t k_told = 200;
+
+std::optional<std::string> after(const std::string& answer, const char* begin) {
+  const std::string prefix{begin};
+  return answer.starts_with(prefix) ? std::optional{answer.substr(prefix.size())} : std::nullopt;
+}
 
 std::string printable(std::string line) {
   std::erase_if(line, [](char c) { return c < ' ' || c > '~'; });
@@ -19,10 +26,32 @@ std::string printable(std::string line) {
 
 }  // namespace
 
-Result<Dashboard> Dashboard::connect(const Endpoint& endpoint, Nanoseconds patience) {
-  Dashboard dashboard;
-  BITELINE_ASSIGN(dashboard.stream_, TcpStream::connect(endpoint, patience));
+Result<std::unique_ptr<ControllerDoor>> Dashboard::connect(const Endpoint& endpoint, Nanoseconds patience) {
+  auto dashboard = std::make_unique<Dashboard>(endpoint);
+  BITELINE_ASSIGN(dashboard->stream_, TcpStream::connect(endpoint, patience));
+  if (const Endpoint found = dashboard->stream_.numeric_peer(); found.port != 0) dashboard->at_ = found;
   return dashboard;
+}
+
+Result<ControllerWords> Dashboard::words(Nanoseconds patience) {
+  ControllerWords words;
+  BITELINE_ASSIGN(const std::string version, ask("PolyscopeVersion", patience));
+  if (version.starts_with("URSoftware ")) words.version = version;
+  BITELINE_ASSIGN(const std::string model, ask("get robot model", patience));
+  if (is_code(model) && model.starts_with("UR")) words.model = model;
+  BITELINE_ASSIGN(const std::string serial, ask("get serial number", patience));
+  if (is_code(serial)) words.serial = serial;
+  BITELINE_ASSIGN(const std::string remote, ask(k_remote_question, patience));
+  if (remote == "true" || remote == "false") words.remote = remote == "true";
+  BITELINE_ASSIGN(const std::string mode, ask("robotmode", patience));
+  words.robot_mode = after(mode, "Robotmode: ");
+  BITELINE_ASSIGN(const std::string program, ask("programState", patience));
+  words.program_state = program_state_of(program);
+  return words;
+}
+
+Result<void> Dashboard::ask_remote() {
+  return say(k_remote_question);
 }
 
 Result<void> Dashboard::say(const std::string& command) {

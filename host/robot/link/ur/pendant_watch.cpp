@@ -33,16 +33,16 @@ void PendantWatch::tell_taken() {
 void PendantWatch::run() {
   pthread_setname_np(pthread_self(), "bl-pendant");
   while (!stopping_) {
-    if (Result<Dashboard> dashboard = Dashboard::connect(config_.dashboard, config_.patience))
-      static_cast<void>(watch(*dashboard));
+    if (const auto door = ControllerDoor::open(config_.doors, config_.patience))
+      static_cast<void>(watch(**door));
     sleep(config_.retry);
   }
 }
 
-Result<void> PendantWatch::watch(Dashboard& dashboard) {
+Result<void> PendantWatch::watch(ControllerDoor& door) {
   while (!stopping_) {
     if (resting_ == 0) {
-      BITELINE_ASSIGN(const std::optional<bool> remote, ask(dashboard));
+      BITELINE_ASSIGN(const std::optional<bool> remote, ask(door));
       // A follower that began meanwhile has the say.
       if (remote && resting_ == 0 && remote_.exchange(*remote) && !*remote) taken_();
     }
@@ -51,10 +51,11 @@ Result<void> PendantWatch::watch(Dashboard& dashboard) {
   return {};
 }
 
-Result<std::optional<bool>> PendantWatch::ask(Dashboard& dashboard) const {
+Result<std::optional<bool>> PendantWatch::ask(ControllerDoor& door) const {
   RemoteControl remote;
   while (true) {
-    BITELINE_ASSIGN(const std::string answer, dashboard.ask(k_remote_question, config_.patience));
+    BITELINE_TRY(door.ask_remote());
+    BITELINE_ASSIGN(const std::string answer, door.hear_remote(config_.patience));
     if (remote.hear(answer)) return remote.told();
   }
 }

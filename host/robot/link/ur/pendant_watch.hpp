@@ -6,16 +6,17 @@
 #include <functional>
 #include <thread>
 
-#include "host/robot/link/ur/dashboard.hpp"
+#include "host/robot/link/ur/controller_door.hpp"
 
 namespace biteline::robot::ur {
 
-/// Asks the dashboard on a thread of its own, whatever the service does meanwhile.  A controller that is away
-/// is called again; one that was in remote control before and is in local control after it was taken, too.
+/// Asks the controller on a thread of its own, whatever the service does meanwhile.  A controller that is
+/// away is called again; one that was in remote control before and is in local control after it was taken,
+/// too.
 class PendantWatch {
  public:
   struct Config {
-    Endpoint dashboard;
+    DoorPlaces doors;
     Nanoseconds period{500'000'000};      ///< between two questions
     Nanoseconds patience{1'000'000'000};  ///< for connection and answer
     Nanoseconds retry{2'000'000'000};     ///< after a connection that failed
@@ -48,9 +49,9 @@ class PendantWatch {
 
  private:
   void run();
-  [[nodiscard]] Result<void> watch(Dashboard& dashboard);
+  [[nodiscard]] Result<void> watch(ControllerDoor& door);
   /// Two "no" in a row are one; nothing: the controller does not tell.
-  [[nodiscard]] Result<std::optional<bool>> ask(Dashboard& dashboard) const;
+  [[nodiscard]] Result<std::optional<bool>> ask(ControllerDoor& door) const;
   void sleep(Nanoseconds time) const;
 
   Config config_;

@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file What a controller answers to "is in remote control".
+/// \file What a controller answers when it is asked whether it is in remote control.
 
 #include <optional>
 #include <string>
 #include <utility>
 
 namespace biteline::robot::ur {
-
-inline constexpr const char* k_remote_question = "is in remote control";
 
 /// One "no" may be a mistake: it is asked again at once, and two in a row are believed.
 class RemoteControl {

@@ -1,18 +1,16 @@
 // SPDX-License-Identifier: MIT
 #include "host/robot/link/ur/told_kinematics.hpp"
 
-#include <chrono>
 #include <cmath>
-#include <vector>
 
 #include "common/rtde/big_endian.hpp"
+#include "host/robot/link/ur/hear_primary.hpp"
 #include "host/robot/link/ur/primary_messages.hpp"
 
 namespace biteline::robot::ur {
 namespace {
 
 constexpr std::uint8_t k_robot_state = 16, k_kinematics = 5;
-constexpr std::size_t k_most_heard = 1U << 20U;  // some seconds of states
 constexpr double k_mm_per_m = 1000, k_most_rad = 7, k_most_m = 1e4;
 
 Result<ToldKinematics> read(std::span<const std::uint8_t> body) {
@@ -56,20 +54,7 @@ Result<std::optional<ToldKinematics>> kinematics_in(std::span<const std::uint8_t
 }
 
 Result<ToldKinematics> ask_kinematics(const Endpoint& script, Nanoseconds patience) {
-  const auto until = std::chrono::steady_clock::now() + patience;
-  BITELINE_ASSIGN(TcpStream stream, TcpStream::connect(script, patience));
-  std::vector<std::uint8_t> heard, some;
-  for (;;) {
-    const Nanoseconds left{until - std::chrono::steady_clock::now()};
-    if (left <= Nanoseconds{0} || heard.size() > k_most_heard) {
-      return fail(Errc::Timeout, "%.60s:%u: the controller does not tell its arm's kinematics",
-                  script.host.c_str(), static_cast<unsigned>(script.port));
-    }
-    BITELINE_TRY(stream.read_some(some, left));
-    heard.insert(heard.end(), some.begin(), some.end());
-    BITELINE_ASSIGN(const std::optional<ToldKinematics> told, kinematics_in(heard));
-    if (told) return *told;
-  }
+  return hear_primary<ToldKinematics>(script, patience, "its arm's kinematics", &kinematics_in);
 }
 
 }  // namespace biteline::robot::ur

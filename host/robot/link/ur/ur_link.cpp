@@ -287,12 +287,10 @@ Result<void> UrLink::send(const PermittedPath& permitted) {
     status_.stop_door_closed_s = 0;
   }
   // Without it the arm could not be stopped: before the path, and kept open, so that a stop is one word.
-  BITELINE_ASSIGN(dashboard_, Dashboard::connect({config_.host, config_.dashboard_port},
-                                                 from_seconds(config_.connect_patience_s)));
+  BITELINE_ASSIGN(door_, ControllerDoor::open(places(), from_seconds(config_.connect_patience_s)));
   BITELINE_ASSIGN(script_, TcpStream::connect({config_.host, config_.script_port},
                                               from_seconds(config_.connect_patience_s)));
-  dashboard_at_ = dashboard_.stream().numeric_peer();
-  script_at_ = script_.numeric_peer();
+  if (const Endpoint found = script_.numeric_peer(); found.port != 0) script_at_ = found;
   script_heard_.clear();
   script_lived_ = now();
   output_ = permitted.path().path().digital_output;
@@ -320,12 +318,7 @@ Result<std::optional<int>> UrLink::dead_mans_register() const {
 /// Both at once. The output stays on when a program is stopped by a word: a program of its own switches it
 /// off, and replaces whatever still runs should the word not have arrived.
 Result<void> UrLink::stop() {
-  const auto known = [](const Endpoint& found, const Endpoint& told) {
-    return found.port != 0 ? found : told;
-  };
-  Delivery words[]{
-      {dashboard_.stream(), known(dashboard_at_, {config_.host, config_.dashboard_port}), "stop\n"},
-      {script_, known(script_at_, {config_.host, config_.script_port}), stop_program(output_)}};
+  Delivery words[]{door_->stop_word(), {script_, script_at_, stop_program(output_)}};
   // What the first ones came to is not known: their connections may be dead without a word.
   if (std::exchange(stops_, stops_ + 1) > 0) {
     for (Delivery& word : words) word.use_fresh();
@@ -372,16 +365,21 @@ void UrLink::keep_script_open() {
   status_.stop_door_closed_s = std::chrono::duration<double>{time - script_lived_}.count();
 }
 
+DoorPlaces UrLink::places() const {
+  return {.dashboard = {config_.host, config_.dashboard_port},
+          .robot_api = {config_.host, config_.robot_api_port},
+          .script = {config_.host, config_.script_port}};
+}
+
 std::optional<bool> UrLink::remote_control() {
-  if (!dashboard_.is_open()) return remote_.told();
   const HostClock::time_point time = now();
   if (!asked_) {
     if (time - asked_at_ < k_remote_period) return remote_.told();
     asked_at_ = time;
-    asked_ = dashboard_.say(k_remote_question).has_value();
+    asked_ = door_->ask_remote().has_value();
     return remote_.told();
   }
-  const Result<std::string> answer = dashboard_.hear(Nanoseconds{0});
+  const Result<std::string> answer = door_->hear_remote(Nanoseconds{0});
   if (!answer && answer.error().code == Errc::Timeout) return remote_.told();
   asked_ = false;
   if (!remote_.hear(answer.value_or(""))) asked_at_ = {};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file A UR controller: states over RTDE, programs over the script port, stop over the dashboard.
+/// \file A UR controller: states over RTDE, programs over the script port, stop over its door.
 
 #include <atomic>
 #include <condition_variable>
@@ -11,7 +11,7 @@
 
 #include "host/robot/link/robot_link.hpp"
 #include "host/robot/link/state_age.hpp"
-#include "host/robot/link/ur/dashboard.hpp"
+#include "host/robot/link/ur/controller_door.hpp"
 #include "host/robot/link/ur/remote_control.hpp"
 #include "host/robot/link/ur/tcp_stream.hpp"
 
@@ -33,9 +33,10 @@ class UrLink final : public RobotLink {
     std::uint16_t rtde_port{30004};
     /// Of the primary interface: the secondary one (30002) takes programs, too, and never says why it does
     /// not run one.
-    std::uint16_t script_port{30001};
-    std::uint16_t dashboard_port{29999};
-    double rate_hz{0};  ///< 0: the controller's own
+    std::uint16_t script_port{k_primary_port};
+    std::uint16_t dashboard_port{k_dashboard_port};  ///< 0: it is not called there
+    std::uint16_t robot_api_port{0};                 ///< of a PolyScope X; 0: it is not called there
+    double rate_hz{0};                               ///< 0: the controller's own
     double connect_patience_s{2};
     /// Also asks for the payload.  A controller before 3.11 or 5.5.1 refuses the question: open() fails.
     bool ask_payload{false};
@@ -64,7 +65,11 @@ class UrLink final : public RobotLink {
 
  private:
   class Reader;
-  explicit UrLink(const Config& config) : config_{config} {}
+  explicit UrLink(const Config& config)
+      : config_{config},
+        script_at_{config.host, config.script_port},
+        door_{ControllerDoor::closed(places())} {}
+  [[nodiscard]] DoorPlaces places() const;
   void run();
   [[nodiscard]] Result<void> serve_connection(rtde::ClientSession& session);
   [[nodiscard]] Result<void> wait_for_first_state();
@@ -97,8 +102,8 @@ class UrLink final : public RobotLink {
   TcpStream script_;  ///< kept open: a program that must replace the path's is on its way at once
   std::vector<std::uint8_t> script_heard_;                 ///< and not read yet: a piece of a message
   HostClock::time_point script_lived_{}, script_tried_{};  ///< last seen open, and last called again
-  Dashboard dashboard_;                                    ///< kept open for the word that stops the arm
-  Endpoint script_at_, dashboard_at_;                      ///< once they were found: by number
+  Endpoint script_at_;                                     ///< once it was found: by number
+  std::unique_ptr<ControllerDoor> door_;                   ///< for the word that stops the arm
   bool begun_{false};                                      ///< a path's first byte has left
   bool dead_man_{false};                                   ///< the sent program has one
   int stops_{0};                                           ///< since then

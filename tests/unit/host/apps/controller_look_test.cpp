@@ -66,6 +66,26 @@ ORDINARY_TIMED_TEST(ControllerLook, AToolThatIsNotTheProcesssIsToldByName) {
   STRCMP_CONTAINS("11.5 degrees", tool_difference(process, *seen.T_flange_tcp).c_str());
 }
 
+/// A dashboard that is told and does not answer is no reason to call at the usual ports.
+TEST(ControllerLook, OfTwoDoorsTheToldOneIsCalled) {
+  ControllerAddress there{.rtde = "arm:1", .script = "arm:30001", .dashboard = {}};
+  const auto ports = [&] {
+    const auto doors = doors_of(there);
+    return doors ? std::to_string(doors->dashboard.port) + " " + std::to_string(doors->robot_api.port)
+                 : "none";
+  };
+  STRCMP_EQUAL("29999 80", ports().c_str());
+  there.dashboard = "arm:7";
+  STRCMP_EQUAL("7 0", ports().c_str());
+  there.robot_api = "arm:8";
+  STRCMP_EQUAL("7 8", ports().c_str());
+  there.dashboard.clear();
+  STRCMP_EQUAL("0 8", ports().c_str());
+  there.robot_api = "other:8";
+  STRCMP_EQUAL("none", ports().c_str());
+  STRCMP_CONTAINS("--robot-api other:8", to_line(doors_of(there).error()).c_str());
+}
+
 ORDINARY_TIMED_TEST(ControllerLook, LocalControlIsSaidFirst) {
   controller.answers["is in remote control"] = "false";
   controller.turning = true;

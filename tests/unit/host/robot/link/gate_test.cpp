@@ -135,6 +135,15 @@ const std::vector<Change>& bad_changes() {
       {"a UR5 of the CB3", [](GateInputs& in) { in.arm.told_version = "URSoftware 3.15.4.1"; },
        Refused::OtherArm},
       {"an e-Series where a CB3 is told", [](GateInputs& in) { in.arm.arm = "UR5"; }, Refused::OtherArm},
+      {"a PolyScope X that does not tell remote control",
+       [](GateInputs& in) {
+         in.arm.told_version = "PolyScope X 10.11.0";
+         in.arm.told_remote.reset(), in.arm.told_model.reset();
+       },
+       Refused::NotRemote},
+      {"a PolyScope X where a CB3 is told",
+       [](GateInputs& in) { in.arm.arm = "UR5", in.arm.told_version = "PolyScope X 10.14.0"; },
+       Refused::OtherArm},
       {"other serial", [](GateInputs& in) { in.arm.serial = "2021", in.arm.told_serial = "2022"; },
        Refused::OtherSerial},
       {"serial not told", [](GateInputs& in) { in.arm.serial = "2021"; }, Refused::OtherSerial},

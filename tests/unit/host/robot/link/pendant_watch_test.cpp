@@ -11,6 +11,8 @@
 namespace biteline::robot::ur {
 namespace {
 
+constexpr const char* k_remote_question = "is in remote control";
+
 using namespace std::chrono_literals;
 
 constexpr auto k_most = 20s;  // of a loaded machine
@@ -31,7 +33,7 @@ TEST_GROUP(PendantWatch) {
   }
   void watch() {
     sut = std::make_unique<PendantWatch>(
-        PendantWatch::Config{.dashboard = {"127.0.0.1", controller->dashboard_port()},
+        PendantWatch::Config{.doors = {.dashboard = {"127.0.0.1", controller->dashboard_port()}},
                              .period = 5ms,
                              .patience = 2s,
                              .retry = 20ms},
