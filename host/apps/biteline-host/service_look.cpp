@@ -31,6 +31,15 @@ const char* name_of(transfer::Moved::Verdict verdict) {
   return "not_seen";
 }
 
+robot::Unmoved shown_by(const transfer::Moved& moved) {
+  return {.by = robot::Unmoved::By::Look,
+          .age_s = 0,
+          .shift_mm = moved.shift_mm,
+          .u95_mm = moved.u95_mm,
+          .limit_mm = moved.limit_mm,
+          .same_shoe = moved.verdict != transfer::Moved::Verdict::OtherShoe};
+}
+
 Result<void> write_look(const fs::path& folder, const transfer::Moved& moved) {
   report::Report report;
   report.fields["moved"] = {
@@ -78,6 +87,7 @@ void Service::tell_aside(bool again) {
 
 Service::Worked Service::look_at_held(HeldScan held, Scan look) {
   cockpit_->show("compares " + held.name() + " with what stands there now", "a person decides");
+  held.look_words.clear();
   const Result<ExitStatus> done = without_exceptions([&]() -> Result<ExitStatus> {
     const intake::ScanOutcome outcome = look.intake.finish();
     look.intake.forget();
@@ -86,22 +96,17 @@ Service::Worked Service::look_at_held(HeldScan held, Scan look) {
     std::vector<Vec3> line;
     for (const cloud::LinePoint& point : planned.plan.request.line.points) line.push_back(point.position);
     const transfer::Moved moved = transfer::moved_since(scanned, outcome.cloud, line);
-    BITELINE_TRY(write_look(look.folder, moved));
     held.look_words = moved.words;
     say_step("%s: %s", held.name().c_str(), moved.words.c_str());
-    // What shows too little says nothing.
-    if (moved.verdict == transfer::Moved::Verdict::NotSeen || !look.ended) return ExitStatus::Done;
-    planned.request.looked =
-        Looked{.at = *look.ended,
-               .shows = {.by = robot::Unmoved::By::Look,
-                         .age_s = 0,
-                         .shift_mm = moved.shift_mm,
-                         .u95_mm = moved.u95_mm,
-                         .limit_mm = moved.limit_mm,
-                         .same_shoe = moved.verdict != transfer::Moved::Verdict::OtherShoe}};
+    // First: what was seen counts also where it cannot be written down.  A look that was cut off may tell
+    // that the shoe was moved, and never that it was not.
+    const bool counts = moved.verdict != transfer::Moved::Verdict::NotSeen &&
+                        (look.ended || moved.verdict != transfer::Moved::Verdict::Unmoved);
+    if (counts) planned.request.looked = Looked{.at = look.ended.value_or(now()), .shows = shown_by(moved)};
+    BITELINE_TRY(write_look(look.folder, moved));
     return ExitStatus::Done;
   });
-  if (!done) held.look_words = "not looked at: " + to_line(done.error());
+  if (!done && held.look_words.empty()) held.look_words = "not looked at: " + to_line(done.error());
   return hold_again(done, std::move(held));
 }
 
