@@ -38,6 +38,17 @@ class PoseError {
   Twist state_{Twist::Zero()};
 };
 
+/// How far beside a shining place a stripe is seen falsely, and by how much (one sigma).
+constexpr double k_shines_mm = 6, k_shines_px = 25;
+
+/// The first part of the line, in the shoe's frame.
+bool shines(const std::vector<sim::TrueLinePoint>& line, double ratio, const Vec3& point_shoe) {
+  const auto count = static_cast<std::ptrdiff_t>(ratio * static_cast<double>(line.size()));
+  return std::any_of(line.begin(), line.begin() + count, [&](const sim::TrueLinePoint& on_line) {
+    return (on_line.point_shoe - point_shoe).norm() < k_shines_mm;
+  });
+}
+
 }  // namespace
 
 Result<DriftCell> DriftCell::make(const Settings& settings) {
@@ -78,6 +89,7 @@ std::vector<DriftCell::Look> DriftCell::looks(const Setting& setting) const {
   const Vec3 beam_cam = (head.laser.beam_cam - n.dot(head.laser.beam_cam) * n).normalized();
   const Vec3 across_cam = beam_cam.cross(n);
   const SE3 T_shoe_base = (scene_->T_base_shoe * setting.T_shoe_put).inverse();
+  sim::Random glare(scene_->settings.place_seed);
   std::vector<Look> seen;
   const auto frames = static_cast<std::uint32_t>(way_.duration_s * k_rate_hz);
   for (std::uint32_t k = 0; k < frames; ++k) {
@@ -90,7 +102,8 @@ std::vector<DriftCell::Look> DriftCell::looks(const Setting& setting) const {
       if (!hit) continue;
       const Vec3 point = emitter + hit->distance_mm * along;
       if (!scene_->scene.sees(eye, point)) continue;
-      const Vec2 pixel = actual.camera.project(T_shoe_cam.inverse() * point);
+      Vec2 pixel = actual.camera.project(T_shoe_cam.inverse() * point);
+      if (shines(scene_->line, setting.shining_ratio, point)) pixel.y() += k_shines_px * glare.gaussian();
       const geometry::Region& region = head.model.region;
       if (pixel.x() < 0 || pixel.x() >= region.width_px || pixel.y() < region.offset_v_px ||
           pixel.y() >= region.offset_v_px + region.height_px)

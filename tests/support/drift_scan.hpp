@@ -44,6 +44,7 @@ class DriftCell {
   struct Setting {
     drift::Vector drifted{drift::Vector::Zero()};  ///< of the head and the table, since the calibration
     SE3 T_shoe_put{SE3::Identity()};               ///< where the shoe stands, in the frame of where it should
+    double shining_ratio{0};  ///< of the line: beside that part the stripe is seen anywhere near
   };
   [[nodiscard]] std::vector<Look> looks(const Setting& setting) const;
 

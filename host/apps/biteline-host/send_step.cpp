@@ -63,8 +63,7 @@ std::optional<robot::Unmoved> unmoved_of(const SendRequest& request, double limi
   if (request.looked) {
     look = request.looked->shows;
     look->age_s = seconds_since(request.looked->at);
-    const bool moved = !look->same_shoe || look->shift_mm + look->u95_mm > look->limit_mm;
-    if (moved || look->age_s <= limit_s) return look;
+    if (!robot::stands_as_scanned(*look) || look->age_s <= limit_s) return look;
   }
   const auto since = request.clamp != nullptr ? request.clamp->held_since() : std::nullopt;
   if (!since) return look;
@@ -221,7 +220,8 @@ std::optional<double> fresh_s(const PlanStep& plan, const SendRequest& request) 
   const double age_s = seconds_since(*request.scan_ended);
   const std::optional<robot::Unmoved> unmoved = unmoved_of(request, limit_s);
   if (!unmoved) return limit_s - age_s;
-  if (unmoved->by == robot::Unmoved::By::Look) return limit_s - std::min(unmoved->age_s, age_s);
+  if (unmoved->by == robot::Unmoved::By::Look)
+    return limit_s - (robot::stands_as_scanned(*unmoved) ? std::min(unmoved->age_s, age_s) : age_s);
   if (unmoved->age_s >= age_s) return std::nullopt;
   return limit_s - age_s;
 }

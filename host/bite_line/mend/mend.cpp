@@ -14,12 +14,22 @@ namespace {
 
 using cloud::ClosedLine;
 using cloud::LinePoint;
+using cloud::PointSource;
 using Text = FixedText<240>;
 
 constexpr double k_shortest_mm = 2.0;
 
 geometry::ArcLength arc_of(const ClosedLine& line) {
   return {line.points.size(), [&](std::size_t i) { return line.points[i].position; }};
+}
+
+/// What calibration, poses and clock leave is in each U95 of a line that was found, so it is no more than
+/// that of its surest place.  A crease or a hand knows nothing of it.
+double least_u95_mm(const ClosedLine& line) {
+  std::optional<double> least;
+  for (const LinePoint& point : line.points)
+    if (point.u95_mm) least = std::min(least.value_or(*point.u95_mm), *point.u95_mm);
+  return least.value_or(0);
 }
 
 class Mending {
@@ -41,7 +51,13 @@ class Mending {
     }
     return {};
   }
-  ClosedLine take() { return std::move(line_); }
+  ClosedLine take() {
+    const double least_mm = least_u95_mm(base_);
+    for (LinePoint& point : line_.points)
+      if (point.source == PointSource::Mended && point.u95_mm)
+        point.u95_mm = std::max(*point.u95_mm, least_mm);
+    return std::move(line_);
+  }
 
  private:
   OrRefusal<void> take_candidate(const Step& step) {

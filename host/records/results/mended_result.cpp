@@ -98,6 +98,12 @@ std::optional<mend::Refusal> judge(const cloud::ClosedLine& line, const Json& fo
   return std::nullopt;
 }
 
+/// A mended point is no surer than the surest place of the line that was found.
+bool holds_head(const Json& found) {
+  const Json holds = found.value("u95", Json()).is_object() ? found["u95"].value("holds", Json()) : Json();
+  return std::find(holds.begin(), holds.end(), "poses") != holds.end();
+}
+
 /// What snapped, and by how much.
 Json as_json(const std::vector<mend::Snap>& snaps) {
   Json rows = Json::array();
@@ -177,8 +183,8 @@ Result<void> write_result(const fs::path& scan, MendedScan& mended, const mend::
   report.fields["weak_stretches"] =
       review ? as_open(weak, mended.line, surface.candidates()) : as_json(weak, length_mm);
   if (!mended.snaps.empty()) report.fields["points_by_hand"] = as_json(mended.snaps);
-  // A hand's part is a bound, and poses and calibration are not weighed again.
-  U95Parts parts = parts_of_found_line({});
+  // A hand's part is a bound, and so is that of poses and calibration: they are not weighed again.
+  U95Parts parts = parts_of_found_line({.head = holds_head(found)});
   parts.holds.push_back("0.5 mm where a hand put the line beside any crease");
   report.fields["u95"] = u95_json(mended.line, parts);
   report.fields["versions"] = versions_json(versions);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // A sensor without devices: each StartScan makes one scan of a shoe on its table, by an elastic arm with a
 // check lap.  After so many sound ones, or at SIGUSR1, its head has slipped on the flange by 0.1 mm, the shoe
-// was nudged by 0.3 mm, or another shoe stands there; and nobody told it.
+// was nudged by 0.3 mm, another shoe stands there, or three tenths of its line shine; and nobody told it.
 //
-//     biteline-drifting-sensor SOUND [slipped|nudged|exchanged]
+//     biteline-drifting-sensor SOUND [slipped|nudged|exchanged|shining]
 #include <charconv>
 #include <csignal>
 #include <cstdio>
@@ -55,8 +55,9 @@ Result<Looks> changed(const test::DriftCell& cell, std::string_view how) {
     return cell.looks(
         {.T_shoe_put = geometry::make_se3(Eigen::Quaterniond::Identity(), {k_each_mm, k_each_mm, 0})});
   }
+  if (how == "shining") return cell.looks({.shining_ratio = 0.3});
   if (how != "exchanged")
-    return fail(Errc::InvalidArgument, "%.20s: neither slipped, nudged nor exchanged",
+    return fail(Errc::InvalidArgument, "%.20s: neither slipped, nudged, exchanged nor shining",
                 std::string{how}.c_str());
   BITELINE_ASSIGN(const test::DriftCell other,
                   test::DriftCell::make({.shoe_seed = 2, .fan_rays = k_fan_rays}));
@@ -88,7 +89,7 @@ int main(int argc, char** argv) {
   std::uint64_t sound = 0;
   const std::string_view text{argc == 2 || argc == 3 ? argv[1] : ""};
   if (std::from_chars(text.begin(), text.end(), sound).ec != std::errc{}) {
-    std::fprintf(stderr, "usage: biteline-drifting-sensor SOUND [slipped|nudged|exchanged]\n");
+    std::fprintf(stderr, "usage: biteline-drifting-sensor SOUND [slipped|nudged|exchanged|shining]\n");
     return 2;
   }
   const std::string_view how{argc == 3 ? argv[2] : "slipped"};

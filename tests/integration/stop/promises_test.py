@@ -9,36 +9,8 @@ import signal
 import sys
 import time
 
+from onlookers import everybody_sees, put_process
 from stop_cell import Cell, ControlEnd, Program, comes_true
-
-TOLD = ("phase", "scan", "process", "process_by", "offers", "held", "teaching")
-
-
-def told(state):
-    """Without what passes with time."""
-    held = state["held"] and {key: state["held"][key] for key in ("scan", "waits_for", "version")}
-    return {**{key: state[key] for key in TOLD}, "held": held}
-
-
-def everybody_sees(cell, step, **expected):
-    """Three looks that agree, at a moment when nothing changes between them; what they tell."""
-    def agree():
-        reloaded = cell.call("POST", "/sessions", {"name": "ada", "password": "a long password"})[1]["token"]
-        looks = [told(cell.call("GET", "/state", token=token)[1]) for token in (cell.token, cell.viewer, reloaded, cell.token)]
-        if any(look != looks[0] for look in looks) or any(looks[0][key] != value for key, value in expected.items()):
-            return None
-        return looks[0]
-    look = comes_true(agree, f"{step}: {expected}")
-    print(f"{step}: {look['phase']}, {look['process']} by {look['process_by']}, held {look['held']}, teaching {look['teaching']}", flush=True)
-    return look
-
-
-def taught_process(cell):
-    folder = cell.results / "processes"
-    folder.mkdir(exist_ok=True)
-    text = (cell.results.parent / "grind.yaml").read_text().replace("name: grind", "name: taught")
-    (folder / "taught.yaml").write_text(text)
-
 
 def held_with(cell, scan, process):
     comes_true(lambda: (cell.state()["held"] or {}).get("scan") == scan and cell.row(scan)["process"] == process, "it waits with " + process)
@@ -125,7 +97,7 @@ def restart(cell):
 
 def main():
     with Cell(*sys.argv[1:6]) as cell:
-        taught_process(cell)
+        put_process(cell, "taught")
         scan = teach(cell)
         save(cell, scan)
         work(cell, scan)

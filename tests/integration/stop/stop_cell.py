@@ -158,8 +158,8 @@ class ControlEnd:
 
 
 class Cell:
-    def __init__(self, host, web, sensor, cell, processes, changed="slipped", gate=""):
-        """`changed`: what the sensor sees after change(); `gate`: more keys of the process's gate."""
+    def __init__(self, host, web, sensor, cell, processes, changed="slipped", gate="", more=()):
+        """`changed`: what the sensor sees after change(); `gate`: more keys of the process's gate; `more`: options of the service."""
         self.folder = tempfile.TemporaryDirectory()
         out = pathlib.Path(self.folder.name)
         self.results = out / "results"
@@ -173,7 +173,7 @@ class Cell:
         self.host = Program(host, "--sensor", self.sensor.line_with("tcp://"), "--out", str(self.results), "--uncertainty",
                             str(out / "uncertainty.yaml"), "--robot", "ur10e", "--process", str(out / "grind.yaml"), "--table-z",
                             str(at["table_z_mm"]), "--rtde", at["rtde"], "--script", at["primary"], "--dashboard", at["dashboard"],
-                            "--send", "--library", str(out / "models"), "--control", "tcp://127.0.0.1:0", "--jobs", str(out / "jobs.yaml"), "--exit-with-parent")
+                            "--send", "--library", str(out / "models"), "--control", "tcp://127.0.0.1:0", "--jobs", str(out / "jobs.yaml"), *more, "--exit-with-parent")
         self.control = self.host.line_with("doors come in at").split()[-1]
         self.web = Program(web, "--listen", "127.0.0.1:0", "--control", self.control, "--text", "127.0.0.1:0", "--modbus", "127.0.0.1:0",
                            "--exit-with-parent")

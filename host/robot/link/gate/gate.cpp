@@ -28,11 +28,6 @@ State when(bool good) {
   return good ? State::Passed : State::Failed;
 }
 
-bool stands_as_scanned(const Unmoved& look) {
-  return look.same_shoe && look.shift_mm >= 0 && look.u95_mm >= 0 &&
-         look.shift_mm + look.u95_mm <= look.limit_mm;
-}
-
 /// A look must be as young as a scan would have to be, the clamp must have held since before the scan's end.
 bool shows_unmoved(const ScanFacts& scan, double limit_s) {
   if (!scan.unmoved) return false;
@@ -52,25 +47,28 @@ std::string as_words(const Unmoved& shown) {
   return text(", but looked at again %.1f s ago: ", shown.age_s) + what_the_look_shows(shown);
 }
 
-/// Without a look or a clamp the row reads as in older files.
+/// Nobody sees by eye what a look has measured: a person's word does not pass this row.
+GateRow row_of_look(const Unmoved& look) {
+  return {look.same_shoe ? Refused::ShoeMoved : Refused::OtherShoe, "shoe since its scan",
+          what_the_look_shows(look), text("the same, %.2f mm with its U95", look.limit_mm),
+          when(stands_as_scanned(look))};
+}
+
+/// Without a look or a clamp the row of the age reads as in older files.
 void add_age_rows(const GateInputs& inputs, std::vector<GateRow>& rows) {
   const ScanFacts& scan = inputs.scan;
   const double limit_s = inputs.limits.scan_age_s;
   const bool fresh = scan.age_s && *scan.age_s >= 0 && *scan.age_s <= limit_s;
   // A recovered scan has no age that this process could know; its person vouches for the shoe's place.
   const bool vouched = scan.confirmed.has_value();
+  // What was seen is the reason, and not the age: it stands first.
+  if (scan.unmoved && scan.unmoved->by == Unmoved::By::Look) rows.push_back(row_of_look(*scan.unmoved));
   rows.push_back({Refused::ScanTooOld, "scan's age",
                   (scan.age_s ? text("%.1f s", *scan.age_s) : "not known") +
                       (scan.unmoved ? as_words(*scan.unmoved) : ""),
                   text("%.0f s%s, or confirmed by a person", limit_s,
                        scan.unmoved ? ", or of a look that shows it unmoved, or clamped since" : ""),
                   when(fresh || vouched || shows_unmoved(scan, limit_s))});
-  // Nobody sees by eye what a look has measured: a person's word does not pass this row.
-  if (!scan.unmoved || scan.unmoved->by != Unmoved::By::Look) return;
-  const Unmoved& look = *scan.unmoved;
-  rows.push_back({look.same_shoe ? Refused::ShoeMoved : Refused::OtherShoe, "shoe since its scan",
-                  what_the_look_shows(look), text("the same, %.2f mm with its U95", look.limit_mm),
-                  when(stands_as_scanned(look))});
 }
 
 void add_scan_rows(const GateInputs& inputs, std::vector<GateRow>& rows) {
@@ -246,6 +244,11 @@ void tell_what_was_not_looked_at(std::vector<GateRow>& rows) {
 }
 
 }  // namespace
+
+bool stands_as_scanned(const Unmoved& look) {
+  return look.same_shoe && look.shift_mm >= 0 && look.u95_mm >= 0 &&
+         look.shift_mm + look.u95_mm <= look.limit_mm;
+}
 
 bool needs_the_arm(Refused code) {
   return code == Refused::PathNotPassed || code == Refused::ArmMoved || code == Refused::NotRemote ||

@@ -38,6 +38,9 @@ struct Unmoved {
   bool same_shoe{true};           ///< of a look
 };
 
+/// Of a look: the same shoe, its shift together with U95 within the limit.
+[[nodiscard]] bool stands_as_scanned(const Unmoved& look);
+
 struct ScanFacts {
   std::string name;  ///< of its folder
   std::uint64_t scan_id{0};

@@ -53,11 +53,14 @@ export function ProcessStep(props: OfScan & { dry_run: File | null }): JSX.Eleme
   const { scan, teaching } = props;
   const taken = teaching.process_by === null ? '' : (scan.process_file ?? '');
   const { value } = use_reading<{ processes: ProcessRow[] }>('/processes');
-  const [name, set_name] = useState('');
   // What the service plans with, until somebody looks for another one here.
-  useEffect(() => {
-    if (taken !== '') set_name(taken);
-  }, [taken]);
+  const [chosen, set_chosen] = useState<string | null>(null);
+  useEffect(() => set_chosen(null), [taken]);
+  const name = chosen ?? taken;
+  const names = new Set([
+    ...(taken === '' ? [] : [taken]),
+    ...(value?.processes ?? []).map((one) => one.name),
+  ]);
   const tried = use_fit(scan.id, props.enabled && name !== taken ? name : '');
   const take = () =>
     act(t('done_choose_process', { name }), () =>
@@ -75,11 +78,11 @@ export function ProcessStep(props: OfScan & { dry_run: File | null }): JSX.Eleme
       <div class="tools">
         <label>
           {t('process')}{' '}
-          <select value={name} onChange={(event) => set_name(event.currentTarget.value)}>
+          <select value={name} onChange={(event) => set_chosen(event.currentTarget.value)}>
             <option value="">{t('choose')}</option>
-            {(value?.processes ?? []).map((one) => (
-              <option key={one.name} value={one.name}>
-                {one.name}
+            {[...names].map((one) => (
+              <option key={one} value={one}>
+                {one}
               </option>
             ))}
           </select>

@@ -136,6 +136,21 @@ TEST(Mend, ACandidateOfARefusedScanIsByHandAndAModelMakesItNoSurer) {
   }
 }
 
+/// What the head leaves open a hand cannot settle.
+TEST(Mend, NoPointIsSurerThanTheSurestPlaceOfTheLineThatIsMended) {
+  cloud::ClosedLine base = found();
+  for (cloud::LinePoint& point : base.points) {
+    point.u95_mm = 0.8;
+    point.confidence = 1e-16;
+    cloud::flag_unsure(point);
+  }
+  base.points[10].u95_mm = 0.7;
+  const Step step{.kind = Step::Kind::Candidate, .candidate = 1};
+  const OrRefusal<cloud::ClosedLine> sut = mend(surface(), base, {&step, 1}, {});
+  CHECK(sut.has_value());
+  for (const cloud::LinePoint& point : sut->points) DOUBLES_EQUAL(0.7, point.u95_mm.value_or(0), 1e-12);
+}
+
 TEST(Mend, ACandidateIsTakenOverAStretchAloneAndSettlesIt) {
   cloud::ClosedLine doubted = found();
   for (std::size_t i = 300; i < 460; ++i) {

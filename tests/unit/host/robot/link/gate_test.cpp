@@ -319,6 +319,21 @@ TEST(Gate, AHeldScanStaysFreshByEvidence) {
   }
 }
 
+/// After half an hour both rows fail, and a person must hear that the shoe was moved.
+TEST(Gate, WhatALookHasSeenIsTheReasonAndNotTheAge) {
+  GateInputs inputs = test::good_inputs();
+  inputs.scan.age_s = 1800;
+  inputs.scan.unmoved = look(4);
+  const auto first_failed = [&] {
+    const std::vector<GateRow> rows = judge(inputs);
+    return std::ranges::find(rows, GateRow::State::Failed, &GateRow::state)->code;
+  };
+  inputs.scan.unmoved->shift_mm = 0.3;
+  CHECK(Refused::ShoeMoved == first_failed());
+  inputs.scan.unmoved->same_shoe = false;
+  CHECK(Refused::OtherShoe == first_failed());
+}
+
 TEST(Gate, TheRowOfTheAgeSaysByWhatTheScanIsFresh) {
   GateInputs inputs = test::good_inputs();
   inputs.scan.age_s = 1800;
