@@ -13,6 +13,12 @@ double square(double value) {
   return value * value;
 }
 
+/// The sheet's own width at so far from its waist over that at its waist, as a Gaussian beam's.
+double spread_ratio(const ScanLight& light, double off_mm) {
+  const double waist_mm = light.stripe_mm / std::sqrt(2 * std::numbers::ln2);  // half width at 1 / e^2
+  return std::hypot(1, off_mm * 1e-6 * light.wavelength_nm / (std::numbers::pi * square(waist_mm)));
+}
+
 /// Standard deviation, in pixels, of what the lens makes of a point that far from focus, along the axis.
 double defocus_px(const ScanLight& light, double off_mm) {
   const double disc_mm =
@@ -59,8 +65,8 @@ StripeNoise stripe_noise(const ScanLight& light) {
   const double sharp_px = std::hypot(grain_um(optics) / light.pixel_um / 3, 1 / std::sqrt(12.0));
   noise.stripe_px = std::hypot(sheet_px, sharp_px);
   const double end_mm = 0.5 * light.range_mm * std::cos(light.angle_rad);
-  noise.end_stripe_px =
-      std::hypot(noise.stripe_px, std::max(defocus_px(light, end_mm), defocus_px(light, -end_mm)));
+  noise.end_stripe_px = std::hypot(sheet_px * spread_ratio(light, 0.5 * light.range_mm), sharp_px,
+                                   std::max(defocus_px(light, end_mm), defocus_px(light, -end_mm)));
   const double rows = rows_per_grain(optics), mm = row_mm(light);
   noise.speckle_mm = mm * speckle_px(noise, noise.stripe_px, rows);
   noise.end_speckle_mm = mm * speckle_px(noise, noise.end_stripe_px, rows);
@@ -68,7 +74,9 @@ StripeNoise stripe_noise(const ScanLight& light) {
   noise.pixel_mm = mm * std::exp(-2 * square(std::numbers::pi * noise.stripe_px)) / std::numbers::pi;
   noise.middle_mm = std::hypot(noise.speckle_mm, noise.camera_mm, noise.pixel_mm);
   noise.end_mm = std::hypot(noise.end_speckle_mm, mm * camera_px(light, noise.end_stripe_px));
-  noise.dorsch_mm = dorsch_limit_um(optics, noise.contrast) / 1000 / std::sin(light.angle_rad);
+  // The light's own contrast counts: a pixel that counts several grains makes no spot's place surer.
+  noise.dorsch_mm = dorsch_limit_um(optics, polarised_contrast(0) * noise.contrast / noise.contrast_at_rest) /
+                    1000 / std::sin(light.angle_rad);
   return noise;
 }
 
@@ -90,6 +98,13 @@ ScanLight with_laser_mw(const ScanLight& light, double laser_mw) {
   ScanLight other = light;
   other.exposure_us *= light.laser_mw / laser_mw;
   other.laser_mw = laser_mw;
+  return other;
+}
+
+ScanLight with_stripe_mm(const ScanLight& light, double stripe_mm) {
+  ScanLight other = light;
+  other.stripe_mm = stripe_mm;
+  other.exposure_us *= stripe_noise(other).stripe_px / stripe_noise(light).stripe_px;
   return other;
 }
 

@@ -14,7 +14,7 @@ struct ScanLight {
   double pixel_um{SpeckleOptics{}.pixel_um};
   double wavelength_nm{SpeckleOptics{}.wavelength_nm};
   double angle_rad{0.785398163};  ///< between laser plane and camera axis
-  double stripe_mm{0.45};         ///< the sheet's thickness, full width at half height
+  double stripe_mm{0.45};         ///< the sheet's thickness at its waist, full width at half height
   double range_mm{33};            ///< heights that are to be seen
   double exposure_us{400};
   double speed_mm_s{100};  ///< of the surface, across the stripe
@@ -40,7 +40,7 @@ struct StripeNoise {
   double camera_mm{0};             ///< photons and read-out
   double pixel_mm{0};              ///< the pixels' steps: largest error of a centre of gravity
   double middle_mm{0}, end_mm{0};  ///< all of them, in the middle and at the range's ends
-  double dorsch_mm{0};             ///< what no detector of one bright spot falls below
+  double dorsch_mm{0};             ///< of one bright spot that is no wider than the lens makes it
 };
 
 /// Sources: Dorsch, Haeusler, Herrmann, Applied Optics 33, 1306 (1994), for the limit.  Noise of a centre of
@@ -48,7 +48,8 @@ struct StripeNoise {
 /// C sqrt(L s / (4 sqrt(pi))).  Photons: s over the root of their number; read noise: Cramer and Rao's bound,
 /// 2 s r^2 / (sqrt(pi) A^2).  Pixels: exp(-2 (pi s)^2) / pi, the first harmonic of a sampled Gaussian.  Out
 /// of focus: a disc of f^2 d / (N (Z - f) (Z + d)), d along the axis; its standard deviation is a quarter.
-/// Aberrations of the lens are left out.
+/// The sheet widens to the range's ends as a Gaussian beam whose waist is in the middle.  Aberrations of the
+/// lens are left out.
 [[nodiscard]] StripeNoise stripe_noise(const ScanLight& light);
 
 enum class NoiseLimit { Speckle, Camera, Pixels, Motion, DepthOfField };
@@ -59,6 +60,8 @@ enum class NoiseLimit { Speckle, Camera, Pixels, Motion, DepthOfField };
 /// The same brightness through another stop or with another laser power: the exposure follows.
 [[nodiscard]] ScanLight with_f_number(const ScanLight& light, double f_number);
 [[nodiscard]] ScanLight with_laser_mw(const ScanLight& light, double laser_mw);
+/// Likewise with another thickness of the sheet.
+[[nodiscard]] ScanLight with_stripe_mm(const ScanLight& light, double stripe_mm);
 
 /// Power through a pupil of 7 mm at 100 mm from where the line fans out, which IEC 60825-1:2014 asks for
 /// (condition 3), for continuous light and a source that counts as a point: strict.

@@ -37,6 +37,8 @@ constexpr float k_usual_correlation = 0.42F;
 constexpr float k_poor_fit_ratio = 0.22F, k_poor_fit_per_contrast = 1.1F;
 /// Median of the square of a normal deviate of variance 1.
 constexpr float k_median_of_square = 0.4549F;
+/// Where more of the crest is at full scale than this, how much more is not told by it.
+constexpr float k_most_full_ratio = 0.6F;
 
 /// Median of numbers from 2^-30 to 2^10, to 3 %; what is beyond counts as the end.
 class LogMedian {
@@ -78,21 +80,32 @@ const Peak* comparable(const ColumnPeaks& column) {
   return whole ? &column.kept[0] : nullptr;
 }
 
-/// Height of the pixel on the stripe's crest, and what the camera's own noise makes of it, squared.
+/// What is left of the contrast where this share of the crest's pixels is cut off at full scale: the median
+/// of differences of three gamma deviates, each cut off at its quantile, to 0.02 for contrasts of 0.15 to
+/// 0.6.
+float cut_contrast(float full_ratio) {
+  const float cut = std::min(full_ratio, k_most_full_ratio);
+  return 1 - 1.28F * cut * std::cbrt(cut);
+}
+
+/// Height of the pixel on the stripe's crest, what the camera's own noise makes of it, squared, and whether
+/// it is at full scale.
 struct Crest {
   float grey;
   float noise_ratio2;
+  bool full;
 };
 Crest rt_crest(const FrameRows& frame, std::size_t column, const Peak& peak,
                const NoiseModel& noise) noexcept BITELINE_RT {
   const auto row =
       static_cast<std::size_t>(std::clamp(peak.row_px, 0.0F, static_cast<float>(frame.height_px - 1)) + 0.5F);
-  const float grey =
-      std::max(1.0F, static_cast<float>(frame.pixels[row * frame.stride_bytes + column]) - peak.background);
+  const std::uint8_t pixel = frame.pixels[row * frame.stride_bytes + column];
+  const float grey = std::max(1.0F, static_cast<float>(pixel) - peak.background);
   return {
       .grey = grey,
       .noise_ratio2 = (noise.read_noise_grey * noise.read_noise_grey + noise.gain_grey_per_electron * grey) /
-                      (grey * grey)};
+                      (grey * grey),
+      .full = pixel == 255};
 }
 
 /// Columns at one distance from each other.
@@ -154,6 +167,7 @@ Speckle rt_estimate_speckle(const FrameRows& frame, const Evidence& evidence, co
                             const Peaks& peaks) noexcept BITELINE_RT {
   LightPower far, near;
   LogMedian crest_squares, crest_noise;
+  int full_count = 0;
   rt_each_triple(peaks, k_lag_columns, [&](const Triple& three) {
     far.rt_add(three, evidence[0][three.middle]);
     const Crest before = rt_crest(frame, three.middle - three.lag, *three.before, expected),
@@ -162,6 +176,7 @@ Speckle rt_estimate_speckle(const FrameRows& frame, const Evidence& evidence, co
     const float ratio = difference(before.grey, at.grey, after.grey);
     crest_squares.rt_add(ratio * ratio);
     crest_noise.rt_add(at.noise_ratio2);
+    full_count += at.full ? 1 : 0;
   });
   rt_each_triple(peaks, 1, [&](const Triple& three) { near.rt_add(three, evidence[0][three.middle]); });
   const float expected_power_px =
@@ -174,8 +189,11 @@ Speckle rt_estimate_speckle(const FrameRows& frame, const Evidence& evidence, co
   speckle.power_px =
       std::max(far.value_px() / k_difference_variance,
                expected.speckle_contrast_min * expected.speckle_contrast_min * expected.speckle_grain_px);
-  speckle.contrast = std::sqrt(std::max(
-      0.0F, crest_squares.value() / (k_median_of_square * k_difference_variance) - crest_noise.value()));
+  const float full_ratio = static_cast<float>(full_count) / static_cast<float>(crest_squares.count());
+  speckle.contrast =
+      std::sqrt(std::max(
+          0.0F, crest_squares.value() / (k_median_of_square * k_difference_variance) - crest_noise.value())) /
+      cut_contrast(full_ratio);
   speckle.doubt_ratio = std::sqrt(std::max(1.0F, expected_power_px / speckle.power_px));
   const float neighbours = near.value_px() / speckle.power_px;
   float low = 0.02F, high = 0.8F;  // less is nothing, more is not told apart

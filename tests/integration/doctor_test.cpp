@@ -141,6 +141,12 @@ TEST(Doctor, TellsTheNoiseOfAHeadAndWhatWouldLowerIt) {
   CHECK(same != stopped_down.end());
   DOUBLES_EQUAL(100, (*same)["exposure_us"].get<double>(), 1e-6);
   DOUBLES_EQUAL(open[0]["contrast_at_rest"].get<double>(), (*same)["contrast_at_rest"].get<double>(), 1e-9);
+  // A sheet half as thick: less noise, though not half.
+  const auto thin = std::find_if(open.begin(), open.end(), [](const json& choice) {
+    return choice["stripe_mm"].get<double>() == 0.225;
+  });
+  CHECK(thin != open.end());
+  CHECK((*thin)["noise_mm"].get<double>() < 0.8 * open[0]["noise_mm"].get<double>());
   const std::string told = say({"doctor", "--light", "--speed-mm-s", "250"}).out;
   STRCMP_CONTAINS("the laser's speckle limits a point", told.c_str());
   STRCMP_CONTAINS("f/2.8, same brightness", told.c_str());

@@ -102,6 +102,8 @@ std::vector<LightChoice> light_choices(const optics::ScanLight& light) {
   for (const double ratio : {0.5, 2.0})
     add(text("laser of %.3g mW, same brightness", ratio * light.laser_mw),
         optics::with_laser_mw(light, ratio * light.laser_mw));
+  const double half_mm = 0.5 * light.stripe_mm;
+  add(text("sheet of %.3g mm, same brightness", half_mm), optics::with_stripe_mm(light, half_mm));
   optics::ScanLight blue = light;
   blue.wavelength_nm = 450;
   if (light.wavelength_nm > blue.wavelength_nm) add("450 nm, same brightness", blue);
@@ -241,6 +243,7 @@ nlohmann::ordered_json light_json(const std::vector<LightChoice>& choices, const
                     {"exposure_us", choice.light.exposure_us},
                     {"speed_mm_s", choice.light.speed_mm_s},
                     {"laser_mw", choice.light.laser_mw},
+                    {"stripe_mm", choice.light.stripe_mm},
                     {"contrast", noise.contrast},
                     {"contrast_at_rest", noise.contrast_at_rest},
                     {"moved_mm", noise.moved_mm},

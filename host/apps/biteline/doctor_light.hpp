@@ -21,7 +21,8 @@ struct LightChoice {
   optics::StripeNoise noise;
 };
 
-/// The head itself first, then one change each: stops, speeds, half and twice the laser, blue light.
+/// The head itself first, then one change each: stops, speeds, half and twice the laser, a sheet half as
+/// thick, blue light.
 [[nodiscard]] std::vector<LightChoice> light_choices(const optics::ScanLight& light);
 
 /// What limits it, and the one change of light_choices() that helps most, in a sentence each.

@@ -34,6 +34,32 @@ TEST(StripeNoise, NoColumnFallsBelowDorschsLimit) {
   }
 }
 
+TEST(StripeNoise, DorschsLimitIsOfTheLightAndNotOfThePixel) {
+  const double limit_mm = stripe_noise(light).dorsch_mm;
+  light.pixel_um *= 2;
+  DOUBLES_EQUAL(limit_mm, stripe_noise(light).dorsch_mm, 0.02 * limit_mm);
+}
+
+TEST(StripeNoise, AThinSheetComesNearDorschsLimit) {
+  const StripeNoise thick = stripe_noise(light), thin = stripe_noise(with_stripe_mm(light, 0.2));
+  CHECK(thick.middle_mm > 1.4 * thick.dorsch_mm);
+  CHECK(thin.middle_mm < 1.2 * thin.dorsch_mm);
+}
+
+TEST(StripeNoise, ASheetWidensAsAGaussianBeam) {
+  // 0.05 mm at half height: 0.0425 mm at 1 / e^2; 660 nm spread it by the root of 2 in pi 0.0425^2 / 0.66e-3
+  // = 8.58 mm.
+  light.stripe_mm = 0.05;
+  light.f_number = 22;  // in focus all over
+  light.range_mm = 2 * 8.58;
+  const StripeNoise noise = stripe_noise(light);
+  const double sheet_px = 0.05 / std::sqrt(8 * std::numbers::ln2) * 1000 * 12 / (200 * 4.4) * std::sqrt(0.5);
+  const double lens_px = std::sqrt(std::pow(noise.stripe_px, 2) - sheet_px * sheet_px);
+  // Of a disc of 144 * 6.07 / (22 * 188 * 193.93) mm, a quarter in 4.4 um.
+  const double blur_px = 144 * 6.067 / (22 * 188 * 193.933) * 1000 / 4.4 / 4;
+  DOUBLES_EQUAL(std::hypot(std::sqrt(2) * sheet_px, lens_px, blur_px), noise.end_stripe_px, 1e-3);
+}
+
 TEST(StripeNoise, PhotonsCountByTheirRoot) {
   light.read_noise_grey = 0;
   const StripeNoise once = stripe_noise(light);
@@ -87,6 +113,8 @@ TEST(StripeNoise, SaysWhatLimits) {
 TEST(StripeNoise, BrightnessIsKeptByTheExposure) {
   DOUBLES_EQUAL(100, with_f_number(light, 2.8).exposure_us, 1e-9);
   DOUBLES_EQUAL(800, with_laser_mw(light, 2.5).exposure_us, 1e-9);
+  const ScanLight thin = with_stripe_mm(light, 0.2);
+  DOUBLES_EQUAL(400 * stripe_noise(thin).stripe_px / stripe_noise(light).stripe_px, thin.exposure_us, 1e-9);
 }
 
 TEST(StripeNoise, LaserClassIsOfWhatEntersTheEye) {

@@ -64,13 +64,13 @@ struct Seen {
   double kept_ratio{0};  ///< of all columns: chosen and not flagged
 };
 
-Seen see(int looks, double blur_px, const std::function<double(int)>& albedo) {
+Seen see(int looks, double blur_px, const std::function<double(int)>& albedo, double amplitude = 90) {
   std::mt19937_64 random{11};
   const std::vector<double> speckle = speckled(looks, blur_px, random);
   test::MadeStripe made;
   made.width_px = k_width_px;
   made.height_px = k_height_px;
-  made.amplitude = 90;
+  made.amplitude = amplitude;
   auto extractor = PeakExtractor::create({}, k_width_px, k_height_px);
   CHECK(extractor.has_value());
   const auto peaks = std::make_unique<Peaks>();
@@ -128,6 +128,19 @@ TEST(StripeSpeckle, IsMeasuredAndEachRowSaysHowSureItIs) {
     CHECK_TEXT(seen.ratio_68 > 0.8 && seen.ratio_68 < 1.2, text.asCharString());
     // At rest and at a small stop the shape itself begins to be lost.
     CHECK_TEXT(seen.kept_ratio > (contrast > 0.5 ? 0.94 : 0.95), text.asCharString());
+  }
+}
+
+TEST(StripeSpeckle, GrainsAtFullScaleAreReckonedWith) {
+  // Up to two fifths of the crest are cut off at 255.
+  for (const double amplitude : {170.0, 200.0, 230.0}) {
+    for (const int looks : {14, 5}) {
+      const Seen seen = see(looks, 0, even, amplitude);
+      const double contrast = 1 / std::sqrt(looks);
+      const auto text =
+          StringFromFormat("contrast %.3f, amplitude %.0f: seen %.3f", contrast, amplitude, seen.contrast);
+      CHECK_TEXT(std::fabs(seen.contrast - contrast) < 0.15 * contrast, text.asCharString());
+    }
   }
 }
 
