@@ -42,30 +42,6 @@ Parameters usual_sigma() {
   return sigma;
 }
 
-HeadUncertainty draw_uncertainty(const geometry::SensorModel& head, double working_mm, sim::Random& random) {
-  HeadUncertainty out;
-  const Vec3& n = head.laser_plane.normal_cam;
-  out.plane_axes.col(0) = n.unitOrthogonal();
-  out.plane_axes.col(1) = n.cross(out.plane_axes.col(0));
-  out.plane_middle_cam = {0, 0, working_mm};
-  // Sigma times a correlation: a random half of each parameter is shared with the others.
-  const double scale = random.uniform({0.7, 2.0});
-  Covariance mixing = Covariance::Identity();
-  for (int row = 0; row < k_parameters - 1; ++row) {
-    for (int col = 0; col < k_parameters - 1; ++col) mixing(row, col) += 0.25 * random.gaussian();
-    mixing.row(row).normalize();
-  }
-  const Covariance root = Parameters{scale * usual_sigma()}.asDiagonal() * mixing;
-  out.covariance = root * root.transpose();
-  out.pose_sigma_mm = random.uniform({0.01, 0.04});
-  out.pose_sigma_rad = random.uniform({0.1, 0.5}) * 1e-4;
-  return out;
-}
-
-Parameters draw_error(const Covariance& covariance, sim::Random& random) {
-  return covariance.llt().matrixL() * gaussians(random);
-}
-
 /// One coordinate of the poses' error along the way, of unit variance.
 class Wave {
  public:
@@ -118,6 +94,30 @@ SE3 draw_place(sim::Random& random) {
 
 }  // namespace
 
+HeadUncertainty drawn_uncertainty(const geometry::SensorModel& head, double working_mm, sim::Random& random) {
+  HeadUncertainty out;
+  const Vec3& n = head.laser_plane.normal_cam;
+  out.plane_axes.col(0) = n.unitOrthogonal();
+  out.plane_axes.col(1) = n.cross(out.plane_axes.col(0));
+  out.plane_middle_cam = {0, 0, working_mm};
+  // Sigma times a correlation: a random half of each parameter is shared with the others.
+  const double scale = random.uniform({0.7, 2.0});
+  Covariance mixing = Covariance::Identity();
+  for (int row = 0; row < k_parameters - 1; ++row) {
+    for (int col = 0; col < k_parameters - 1; ++col) mixing(row, col) += 0.25 * random.gaussian();
+    mixing.row(row).normalize();
+  }
+  const Covariance root = Parameters{scale * usual_sigma()}.asDiagonal() * mixing;
+  out.covariance = root * root.transpose();
+  out.pose_sigma_mm = random.uniform({0.01, 0.04});
+  out.pose_sigma_rad = random.uniform({0.1, 0.5}) * 1e-4;
+  return out;
+}
+
+Parameters drawn_error(const Covariance& covariance, sim::Random& random) {
+  return covariance.llt().matrixL() * gaussians(random);
+}
+
 UncertainScan uncertain_scan(const UncertainScanSettings& settings) {
   // Shoes of two classes with one seed are scanned by two heads.
   const std::uint64_t head_seed = settings.seed * 16 + static_cast<std::uint64_t>(settings.shoe_class);
@@ -131,13 +131,13 @@ UncertainScan uncertain_scan(const UncertainScanSettings& settings) {
   const sim::MadeHead head = sim::draw_head(head_seed);
   const SE3 T_base_shoe = draw_place(random);
   UncertainScan made;
-  made.head.uncertainty = draw_uncertainty(head.model, head.working_distance_mm, random);
+  made.head.uncertainty = drawn_uncertainty(head.model, head.working_distance_mm, random);
   HeadUncertainty& stated = made.head.uncertainty;
   stated.covariance *= settings.errors * settings.errors;
   stated.pose_sigma_mm *= settings.errors;
   stated.pose_sigma_rad *= settings.errors;
   stated.arm_give_mm_per_m_s2 = 0;  // it is off as its poses' spread says
-  const Parameters error = settings.errors > 0 ? draw_error(stated.covariance, random) : Parameters::Zero();
+  const Parameters error = settings.errors > 0 ? drawn_error(stated.covariance, random) : Parameters::Zero();
   made.head.model = uncertainty::perturbed(head.model, stated, error);
   const double late_s = error[uncertainty::k_clock_at];
   const double noise_px = random.uniform({0.08, 0.25});

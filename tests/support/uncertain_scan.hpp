@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "hal/sim/shoe/random.hpp"
 #include "hal/sim/shoe/shoe_parameters.hpp"
 #include "host/bite_line/find_bite_line.hpp"
 #include "host/cloud/closed_line.hpp"
@@ -13,6 +14,14 @@
 #include "host/cloud/uncertainty/scan_spread.hpp"
 
 namespace biteline::test {
+
+/// How well a calibration knows a head whose camera is `working_mm` from the stripe: a covariance with
+/// correlations, of 0.7 to 2 times the usual figures.
+[[nodiscard]] uncertainty::HeadUncertainty drawn_uncertainty(const geometry::SensorModel& head,
+                                                             double working_mm, sim::Random& random);
+/// What such a calibration is off by.
+[[nodiscard]] uncertainty::Parameters drawn_error(const uncertainty::Covariance& covariance,
+                                                  sim::Random& random);
 
 struct UncertainScan {
   cloud::PointCloud cloud;                      ///< base, as the head's calibration has it; scan order
