@@ -41,6 +41,30 @@ Result<hal::RobotPose> first_pose(Result<std::unique_ptr<hal::PoseSource>> poses
   return pose;
 }
 
+const std::string& interface_of(const hal::BoardPoses& poses) {
+  return poses.kind == hal::BoardPoses::Kind::Encoder ? poses.encoder.interface : poses.interface;
+}
+
+/// What to do where no pose comes.
+std::string step_for_poses(const hal::BoardPoses& poses, const Result<hal::RobotPose>& pose) {
+  const std::string to_us = "to this machine's UDP port " + std::to_string(poses.port);
+  switch (poses.kind) {
+    case hal::BoardPoses::Kind::Rtde:
+      return !pose && pose.error().code == Errc::PeerRefused
+                 ? "update the controller's software: PolyScope 3.12.3 or 5.5.1 at least"
+                 : "switch the controller on, check the cable, and allow RTDE in its settings";
+    case hal::BoardPoses::Kind::Egm:
+      return "start a program that streams the pose of tool0 in wobj0 (EGMStreamStart) " + to_us;
+    case hal::BoardPoses::Kind::Rsi:
+      return "start a program that switches RSI on, with DEF_RIst, " + to_us;
+    case hal::BoardPoses::Kind::Can:
+    case hal::BoardPoses::Kind::Encoder:
+      break;
+  }
+  return "ip link set " + interface_of(poses) +
+         " up type can bitrate 500000 dbitrate 2000000 fd on restart-ms 100, and start what sends on it";
+}
+
 /// The rights, tried out on a thread that ends at once.
 Result<void> try_realtime() {
   BITELINE_TRY(runtime::prepare_process(runtime::RealtimeDemand::Required));
@@ -138,19 +162,11 @@ std::vector<DeviceFinding> examine(const BoardDevices& devices,
     found.push_back(
         finding(name_of("scan active", *board.scan_active), open_edges(*board.scan_active), k_line_step));
   }
-  const bool is_can = board.poses.kind != hal::BoardPoses::Kind::Rtde;
-  const std::string& interface =
-      board.poses.kind == hal::BoardPoses::Kind::Encoder ? board.poses.encoder.interface : board.poses.interface;
-  const std::string can_step =
-      "ip link set " + interface +
-      " up type can bitrate 500000 dbitrate 2000000 fd on restart-ms 100, and start what sends on it";
   const Result<hal::RobotPose> pose = first_pose(devices.open_poses());
-  const bool too_old = !pose && pose.error().code == Errc::PeerRefused;
-  found.push_back(finding("poses (" + (is_can ? interface : board.poses.address) + ")", pose,
-                          is_can ? can_step.c_str()
-                          : too_old
-                              ? "update the controller's software: PolyScope 3.12.3 or 5.5.1 at least"
-                              : "switch the controller on, check the cable, and allow RTDE in its settings"));
+  const std::string step = step_for_poses(board.poses, pose);
+  const bool by_wire = board.poses.address.empty();
+  found.push_back(finding("poses (" + (by_wire ? interface_of(board.poses) : board.poses.address) + ")", pose,
+                          step.c_str()));
   if (!board.ptp.empty()) {
     const Result<hal::Phc> clock = hal::Phc::open(board.ptp);
     found.push_back(

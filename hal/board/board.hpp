@@ -68,10 +68,11 @@ struct BoardLaser {
 };
 
 struct BoardPoses {
-  enum class Kind { Rtde, Can, Encoder } kind{Kind::Rtde};
-  std::string address;  ///< Rtde
-  std::uint16_t port{30004};
+  enum class Kind { Rtde, Can, Encoder, Egm, Rsi } kind{Kind::Rtde};
+  std::string address;        ///< Rtde, Egm, Rsi: the controller's
+  std::uint16_t port{30004};  ///< Rtde: the controller's; Egm, Rsi: ours, where it is heard
   double rate_hz{500};
+  bool answers{true};     ///< Rsi: the controller waits for answers
   std::string interface;  ///< Can
   std::uint32_t base_id{0};
   BoardEncoder encoder;           ///< Encoder: the shoe moves, and its way is the pose

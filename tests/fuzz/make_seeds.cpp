@@ -178,6 +178,27 @@ void doors(const Seeds& seeds) {
   keep("modbus", 7, "\0\1\0\0\0\6\1\6\0\1\0\7"s + "\0\2\0\0\0\6\1\4\0\0\0\14"s);
 }
 
+/// The first byte chooses the reader: even EGM, odd RSI.
+void udp_poses(const Seeds& seeds) {
+  using namespace std::string_literals;
+  seeds.bytes(
+      "udp_poses", "rsi",
+      "\1<Rob Type=\"KUKA\"><RIst X=\"540.4\" Y=\"-12.5\" Z=\"915.0\" A=\"90.0\" B=\"0.5\" C=\"-7.0\"/>"
+      "<Delay D=\"0\"/><IPOC>4208163634</IPOC></Rob>");
+  const auto number = [](char field, double value) {
+    return std::string{field} + std::string(reinterpret_cast<const char*>(&value), sizeof value);
+  };
+  const std::string place = number(9, 400) + number(17, -20) + number(25, 300);
+  const std::string turn = number(9, 1) + number(17, 0) + number(25, 0) + number(33, 0);
+  const auto message = [](char field, const std::string& bytes) {
+    return std::string{field, static_cast<char>(bytes.size())} + bytes;
+  };
+  const std::string feedback =
+      message(18, message(10, place) + message(18, turn)) + message(34, "\10\11\20\7");
+  seeds.bytes("udp_poses", "egm",
+              "\0"s + message(10, "\10\3\20\100\30\2") + message(18, feedback) + message(66, "\10\2"));
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -188,6 +209,7 @@ int main(int argc, char** argv) {
   tables(seeds);
   messages(seeds);
   doors(seeds);
+  udp_poses(seeds);
   seeds.keep(recording(seeds.in("mcap", "stored.mcap"), mcap::Compression::None));
   seeds.keep(recording(seeds.in("mcap", "packed.mcap"), mcap::Compression::Zstd));
   geometry::SensorModel sensor;
@@ -208,8 +230,8 @@ int main(int argc, char** argv) {
   seeds.keep(
       image::write_png(seeds.in("picture", "grey.png"), {.width_px = 16, .height_px = 12, .pixels = pixels}));
   std::mt19937 random{3};
-  for (const char* target :
-       {"canpose", "controller", "gige", "link", "packing", "stripe", "surface", "text"}) {
+  for (const char* target : {"arm_link", "canpose", "controller", "gige", "link", "packing", "stripe",
+                             "surface", "text", "udp_poses"}) {
     std::string noise(600, '\0');
     for (char& byte : noise) byte = static_cast<char>(random());
     seeds.bytes(target, "noise", noise);

@@ -50,8 +50,12 @@ Result<std::unique_ptr<hal::CanBus>> open_can_bus(const std::string& interface) 
 }
 
 Result<std::unique_ptr<hal::PoseSource>> open_poses(const hal::BoardPoses& poses, const hal::Clock& clock) {
-  const bool rtde = poses.kind == hal::BoardPoses::Kind::Rtde;
-  return open_by(rtde ? "rtde" : "socketcan", &Backend::poses, poses, clock);
+  using enum hal::BoardPoses::Kind;
+  const bool heard = poses.kind == Egm || poses.kind == Rsi;
+  return open_by(poses.kind == Rtde ? "rtde"
+                 : heard            ? "udp_poses"
+                                    : "socketcan",
+                 &Backend::poses, poses, clock);
 }
 
 Result<std::unique_ptr<hal::EncoderIn>> open_encoder(const hal::BoardEncoder& encoder) {

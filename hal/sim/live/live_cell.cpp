@@ -377,6 +377,8 @@ void LiveCell::send_pose(SensorClock::time_point instant, const ArmState& state,
     noise[k] = settings_.pose_noise_mm * pose_noise_.gaussian();
     noise[k + 3] = settings_.pose_noise_rad * pose_noise_.gaussian();
   }
+  const SE3 T_base_flange = T_base_flange_told * geometry::exp_se3(noise);
+  if (settings_.on_pose) settings_.on_pose(instant, T_base_flange);
   if (faults.bus_off) return;
   const Nanoseconds stamp =
       instant.time_since_epoch() + settings_.robot.clock_offset + Nanoseconds{faults.robot_clock_step_ns};
@@ -385,7 +387,7 @@ void LiveCell::send_pose(SensorClock::time_point instant, const ArmState& state,
        .status = static_cast<std::uint8_t>(canpose::k_simulated |
                                            (state.program_running ? canpose::k_program_running : 0)),
        .stamp_us = static_cast<std::uint64_t>(stamp.count() / 1000),
-       .T_base_flange = T_base_flange_told * geometry::exp_se3(noise)});
+       .T_base_flange = T_base_flange});
   if (!frame) return;  // beyond the format's reach of 214 m
   const Nanoseconds ahead = due(faults.poses_from_future) ? std::chrono::hours{1} : Nanoseconds{0};
   hal::CanFrame sync{.id = canpose::k_sync_id, .size_bytes = 1, .received = instant + ahead};

@@ -52,6 +52,8 @@ struct LiveSettings {
   Nanoseconds monostable{0};
   /// The arm waits where the scan ends, on a bracket; else upright above the table.
   bool stay_at_end{false};
+  /// Told each pose beside the bus, with its noise, on the controller's thread: for another maker's language.
+  std::function<void(SensorClock::time_point, const SE3& T_base_flange)> on_pose{};
   bool keep_track{true};  ///< for write_track(); memory grows with the arm's way
 };
 

@@ -8,11 +8,14 @@
 #include "hal/linux/socketcan/can_encoder.hpp"
 #include "hal/linux/socketcan/can_pose_source.hpp"
 #include "hal/linux/socketcan/encoder_pose_source.hpp"
+#include "hal/linux/udp_poses/udp_pose_source.hpp"
 #include "hal/replay/recording.hpp"
 #include "hal/replay/replay_camera.hpp"
 #include "hal/replay/replay_poses.hpp"
 #include "hal/sim/bus/bus_devices.hpp"
 #include "hal/sim/bus/bus_server.hpp"
+#include "hal/sim/robot/egm_stream.hpp"
+#include "hal/sim/robot/rsi_exchange.hpp"
 #include "hal/sim/robot/ur_controller.hpp"
 #include "tests/hal/conformance/camera.hpp"
 #include "tests/hal/conformance/can_bus.hpp"
@@ -115,6 +118,13 @@ TEST(SimulatedWires, PosesOfAnEncoderConform) {
   conformance::check_pose_source(sut, [&] { cell->send(encoder_frame(3, place_ticks += 10, clock.now())); });
 }
 
+/// Free a moment ago: the suite wants its source not started.
+std::uint16_t free_udp_port() {
+  const auto source = hal::UdpPoseSource::open({}).value();
+  CHECK(source->start().has_value());
+  return source->port();
+}
+
 TEST_GROUP(SimulatedController){};
 
 TEST(SimulatedController, PosesOverRtdeConform) {
@@ -127,6 +137,24 @@ TEST(SimulatedController, PosesOverRtdeConform) {
   config.controller = {.address = "127.0.0.1", .port = controller->ports().rtde};
   config.samples.rate_hz = 125;
   conformance::check_pose_source(*hal::RtdePoseSource::open(config).value(), [] {});
+}
+
+TEST(SimulatedController, PosesByEgmConform) {
+  test::note_ran();
+  const std::uint16_t port = free_udp_port();
+  const auto sut = hal::UdpPoseSource::open({.port = port}).value();
+  sim::EgmStream controller = sim::EgmStream::open({.port = port}).value();
+  conformance::check_pose_source(*sut, [&] { controller.send(hal::monotonic_now(), SE3::Identity(), true); });
+}
+
+TEST(SimulatedController, PosesByRsiConform) {
+  test::note_ran();
+  const std::uint16_t port = free_udp_port();
+  const auto sut =
+      hal::UdpPoseSource::open({.language = hal::UdpPoseSource::Language::Rsi, .port = port}).value();
+  sim::RsiExchange controller = sim::RsiExchange::open({.port = port}).value();
+  SensorClock::time_point instant{};
+  conformance::check_pose_source(*sut, [&] { controller.step(instant += 4ms, SE3::Identity()); });
 }
 
 TEST_GROUP(Recording){};

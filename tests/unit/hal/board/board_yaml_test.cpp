@@ -120,6 +120,25 @@ TEST(BoardYaml, FaultsAreRefusedEach) {
   }
 }
 
+TEST(BoardYaml, PosesOfOtherMakersHaveTheControllersAddressAndOurPort) {
+  const auto with = [this](const char* poses) {
+    return read("board: a\ncamera: {kind: v4l2, device: b}\nposes: " + std::string{poses} +
+                "\nwatchdog: {timeout_ms: 500}\n");
+  };
+  const Result<Board> egm = with("{kind: egm, address: 192.168.125.1, port: 6510}");
+  CHECK(egm.has_value());
+  CHECK(egm->poses.kind == BoardPoses::Kind::Egm);
+  STRCMP_EQUAL("192.168.125.1", egm->poses.address.c_str());
+  CHECK_EQUAL(6510, egm->poses.port);
+  const Result<Board> rsi = with("{kind: rsi, address: 192.168.1.20, port: 49152}");
+  CHECK(rsi->poses.kind == BoardPoses::Kind::Rsi);
+  CHECK(rsi->poses.answers);
+  CHECK_FALSE(with("{kind: rsi, address: 192.168.1.20, port: 49152, answers: false}")->poses.answers);
+  CHECK_FALSE(with("{kind: egm, address: 192.168.1.20, port: 49152, answers: false}").has_value());
+  CHECK_FALSE(with("{kind: rsi, address: 192.168.1.20}").has_value());
+  CHECK_FALSE(with("{kind: egm, address: 192.168.125.1, port: 6510, rate_hz: 250}").has_value());
+}
+
 TEST(BoardYaml, SimulatedWiresNeedABoardThatSaysSo) {
   const std::string lines =
       "camera: {kind: v4l2, device: /dev/video0}\nposes: {kind: can, interface: 'sim:cell'}\n"
