@@ -9,6 +9,7 @@
 #include "host/intake/child_process.hpp"
 #include "tests/support/errors.hpp"
 #include "tests/support/json.hpp"
+#include "tests/support/long_tests.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/support/timed_test.hpp"
 
@@ -64,7 +65,37 @@ TEST_GROUP(MainJob) {
     std::ifstream stream(file);
     return test::read_json(stream);
   }
+
+  /// Each shoe is scanned, its line is right, and the arm follows it.
+  void demo_scans_and_follows(int uppers) {
+    const fs::path out = folder.path() / "demo";
+    LONGS_EQUAL(0, run(BITELINE_TOOL,
+                       {"demo", "--out", out.string(), "--uppers", std::to_string(uppers), "--quiet"}));
+    CHECK(fs::exists(out / "index.html"));
+    LONGS_EQUAL(1 + uppers, read_json(out / "report.json")["shoes"].size());
+    std::vector<std::string> shoes{"sample"};
+    for (int upper = 1; upper <= uppers; ++upper) shoes.push_back("upper-" + std::to_string(upper));
+    for (const std::string& shoe : shoes) {
+      const fs::path scan = last_scan(out / shoe);
+      const Bars bars = shoe == "sample" ? k_swaying_bars : k_transfer_bars;
+      line_is_right(scan / "line.csv", out / shoe / "cell/truth/groove.csv", bars);
+      for (const char* file :
+           {"index.html", "path/path.csv", "path/path.script", "path/tracking.html", "track.csv"}) {
+        CHECK_TEXT(fs::exists(scan / file), (scan / file).c_str());
+      }
+      const auto followed = read_json(scan / "followed.json");
+      CHECK(followed["completed"].get<bool>());
+      // An arm with joints of 8 Hz gives by a / (2 pi 8)^2, 0.4 mm per m/s^2; where the wrist turns the tool
+      // quickest its tip is accelerated by less than 1.5 m/s^2.
+      CHECK_COMPARE(followed["from_path_mm"]["max"].get<double>(), <=, 0.6);
+      CHECK_COMPARE(followed["from_path_mm"]["p95"].get<double>(), <=,
+                    followed["from_path_mm"]["max"].get<double>());
+      CHECK_COMPARE(followed["covered"].get<double>(), >=, 0.99);
+    }
+  }
 };
+
+LONG_GROUP(MainJob){};
 
 TEST(MainJob, RecordedMadeScanGivesTheCellsOwnGroove) {
   const fs::path session = folder.path() / "session", out = folder.path() / "out";
@@ -81,28 +112,12 @@ TEST(MainJob, RecordedMadeUpperIsRefused) {
   CHECK(read_json(out / "report.json")["reason"].get<std::string>().starts_with("no crease"));
 }
 
-TIMED_TEST(MainJob, DemoScansASampleAndTheUppersAfterItPlansAndFollows) {
-  const fs::path out = folder.path() / "demo";
-  LONGS_EQUAL(0, run(BITELINE_TOOL, {"demo", "--out", out.string(), "--quiet"}));
-  CHECK(fs::exists(out / "index.html"));
-  LONGS_EQUAL(3, read_json(out / "report.json")["shoes"].size());
-  for (const char* shoe : {"sample", "upper-1", "upper-2"}) {
-    const fs::path scan = last_scan(out / shoe);
-    const Bars bars = std::string{"sample"} == shoe ? k_swaying_bars : k_transfer_bars;
-    line_is_right(scan / "line.csv", out / shoe / "cell/truth/groove.csv", bars);
-    for (const char* file :
-         {"index.html", "path/path.csv", "path/path.script", "path/tracking.html", "track.csv"}) {
-      CHECK_TEXT(fs::exists(scan / file), (scan / file).c_str());
-    }
-    const auto followed = read_json(scan / "followed.json");
-    CHECK(followed["completed"].get<bool>());
-    // An arm with joints of 8 Hz gives by a / (2 pi 8)^2, 0.4 mm per m/s^2; where the wrist turns the tool
-    // quickest its tip is accelerated by less than 1.5 m/s^2.
-    CHECK_COMPARE(followed["from_path_mm"]["max"].get<double>(), <=, 0.6);
-    CHECK_COMPARE(followed["from_path_mm"]["p95"].get<double>(), <=,
-                  followed["from_path_mm"]["max"].get<double>());
-    CHECK_COMPARE(followed["covered"].get<double>(), >=, 0.99);
-  }
+TIMED_TEST(MainJob, DemoScansASampleAndTheUpperAfterItPlansAndFollows) {
+  demo_scans_and_follows(1);
+}
+
+TIMED_TEST(MainJobLong, DemoScansASampleAndTheUppersAfterItPlansAndFollows) {
+  demo_scans_and_follows(2);
 }
 
 }  // namespace biteline

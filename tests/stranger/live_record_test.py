@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""live_record_test.py SENSOR CELL SERVICE TOOL [NODE WEB]: a live scan that is recorded gives the same bits when it is replayed.
+"""live_record_test.py SENSOR CELL SERVICE TOOL daily|long [NODE WEB]: a live scan that is recorded gives the same bits when it is replayed.
 
 Each trial runs the simulated cell and the sensor program with --record: profiles of the pictures' replay against the live
 ones, from a folder and from an MCAP file that the sensor wrote by itself; the service's line against that of the pictures, and with thinned pictures against those of session, profiles and
-MCAP file.  A scan that a busy machine ended, or whose poses came late, is tried again.  Leaves with 77 (skipped) where the
+MCAP file.  A scan that a busy machine ended, or whose poses came late, is tried again.  daily: the plain scan, what ends a recording, and thinned
+pictures; long: the other ways to take a scan, the MCAP file that is written live, and all pictures.  Leaves with 77 (skipped) where the
 camera's port is taken.
 """
 import itertools
@@ -20,7 +21,7 @@ import time
 
 JUDGE = pathlib.Path(__file__).parents[1] / "integration" / "recording" / "judge_live.mjs"
 CLIENT = pathlib.Path(__file__).with_name("stranger.py")
-TRIALS = ([], ["--laser-off-frames"], ["--second-exposure-us", "1200"], ["--follow-stripe"])
+TRIALS = (["--laser-off-frames"], ["--second-exposure-us", "1200"], ["--follow-stripe"])
 ATTEMPTS = 8
 OVERRUN = 0x10  # late on that machine; says nothing of the points
 SKIPPED = 77
@@ -270,35 +271,46 @@ def check_thinned_line(sensor, cell, service, tool, folder):
           "MCAP file", flush=True)
 
 
+def check_same_bits(sensor, cell, folder, options):
+    session, live = scan_live(sensor, cell, folder, options, lambda facts: facts["complete"] == "true")
+    running, hello = start(sensor, "--source", f"replay:{session}", "--exit-with-parent")
+    assert hello, stop(running)
+    replayed, end = scan_of(hello)
+    running.wait(timeout=60)
+    assert end == 0
+    counts = len(live), len(replayed), records_in(session / "scan.btln")
+    assert counts == (len(live), len(live), len(live) + 2), (counts, facts_of(session))
+    # Numbers in the client's lines are told with every digit.
+    for once, again in zip(live, replayed):
+        assert once == again, [key for key in once if once[key] != again[key]]
+    points = sum(len(p["x"]) for p in live)
+    print(f"{' '.join(options) or 'plain'}: {len(live)} profiles, {points} points, the same bits", flush=True)
+    assert points > 1000
+    shutil.rmtree(session)
+
+
+def daily(sensor, cell, service, tool, folder):
+    check_same_bits(sensor, cell, folder, [])
+    check_full_disk(sensor, cell, folder)
+    check_test_pattern(sensor, cell, service, folder)
+    check_kept(sensor, folder)
+    check_thinned_line(sensor, cell, service, tool, folder)
+
+
+def long(sensor, cell, service, tool, folder, judge):
+    for options in TRIALS:
+        check_same_bits(sensor, cell, folder, options)
+    check_live_file(sensor, cell, tool, folder, judge)
+    check_whole_line(sensor, cell, service, tool, folder)
+
+
 def main():
-    sensor, cell, service, tool = sys.argv[1:5]
+    programs, part, judge = sys.argv[1:5], sys.argv[5], sys.argv[6:8]
     with tempfile.TemporaryDirectory() as folder:
-        for options in TRIALS:
-            whole = lambda facts: facts["complete"] == "true"
-            session, live = scan_live(sensor, cell, pathlib.Path(folder), options, whole)
-            running, hello = start(sensor, "--source", f"replay:{session}", "--exit-with-parent")
-            assert hello, stop(running)
-            replayed, end = scan_of(hello)
-            running.wait(timeout=60)
-            assert end == 0
-            counts = len(live), len(replayed), records_in(session / "scan.btln")
-            assert counts == (len(live), len(live), len(live) + 2), (counts, facts_of(session))
-            # Numbers in the client's lines are told with every digit.
-            for once, again in zip(live, replayed):
-                assert once == again, [key for key in once if once[key] != again[key]]
-            points = sum(len(p["x"]) for p in live)
-            print(f"{' '.join(options) or 'plain'}: {len(live)} profiles, {points} points, the same bits", flush=True)
-            assert points > 1000
-            shutil.rmtree(session)
-        check_full_disk(sensor, cell, pathlib.Path(folder))
-        check_test_pattern(sensor, cell, service, pathlib.Path(folder))
-        check_kept(sensor, pathlib.Path(folder))
-        check_live_file(sensor, cell, tool, pathlib.Path(folder), sys.argv[5:7])
-        for name, check in (("whole", check_whole_line), ("thinned", check_thinned_line)):
-            place = pathlib.Path(folder) / name
-            place.mkdir()
-            check(sensor, cell, service, tool, place)
-            shutil.rmtree(place)
+        if part == "daily":
+            daily(*programs, pathlib.Path(folder))
+        else:
+            long(*programs, pathlib.Path(folder), judge)
 
 
 main()

@@ -1,9 +1,11 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# backup_test.sh BACKUP SENSOR BOARD: a unit comes back from one file; a spoiled file and a cut restore change nothing; secrets only when asked.
+# backup_test.sh BACKUP SENSOR BOARD [EACH]: a unit comes back from one file; a spoiled file and a cut restore change nothing; secrets only when asked.
+# A restore is cut at every EACHth of its commands; 1: at every one.
 set -euo pipefail
-backup=$1 sensor=$2 board=$3
-work=$(mktemp -d "${TMPDIR:-/tmp}/biteline-backup-XXXXXX")
+backup=$1 sensor=$2 board=$3 each=${4:-1}
+. "$(dirname "${BASH_SOURCE[0]}")/work_folder.sh"
+work=$(work_folder biteline-backup)
 trap 'rm -rf "$work"' EXIT
 bad() { echo "$1"; exit 1; }
 cd "$work"
@@ -100,7 +102,7 @@ spoiled() {
 }
 size=$(stat -c %s plain.backup)
 for part in 0 100 $((size / 2)) $((size - 20)); do head -c "$part" plain.backup >cut.backup && spoiled cut.backup; done
-mkdir open && tar -xzf plain.backup -C open
+rm -rf open && mkdir open && tar -xzf plain.backup -C open
 echo 'camera: {exposure_us: 1}' >open/etc/settings/start-up.yaml
 tar -C open -czf changed.backup about sums etc state && spoiled changed.backup
 rm open/etc/settings/start-up.yaml && tar -C open -czf lacking.backup about sums etc state && spoiled lacking.backup
@@ -112,7 +114,7 @@ echo evil >evil.yaml && tar -P -czf out.backup ../"$(basename "$work")"/evil.yam
 echo text >none.backup && spoiled none.backup
 spoiled no-such.backup
 
-# Cut at every command: the old unit or the new one, never a mixture; the next restore is whole.
+# Cut at every EACHth command: the old unit or the new one, never a mixture; the next restore is whole.
 rm -rf two/etc.before
 sed '2,$s/^set -euo pipefail$/&\nbackup_step=0\ntrap '"'"'backup_step=$((backup_step+1)); [ $backup_step -ne "${BACKUP_CUT:-0}" ] || kill -9 $$'"'"' DEBUG\nset -T/' "$backup" >cut.sh
 chmod +x cut.sh
@@ -120,7 +122,7 @@ make_unit fresh
 echo 'camera: {exposure_us: 999}' >fresh/etc/settings/start-up.yaml
 (cd fresh/etc && find . -type f | sort | xargs sha256sum) >old
 steps=0
-for cut in $(seq 1 400); do
+for cut in $(seq 1 "$each" 400); do
   rm -rf trial && cp -a fresh trial
   status=0
   # Bash itself tells of a kill.
@@ -140,4 +142,4 @@ done
 status=0
 "$backup" save >told 2>&1 || status=$?
 [ $status -eq 2 ] || bad "no file named: exit $status"
-echo "one file, $(tar -tzf plain.backup | grep -vc '/$') files in it; cut at each of $steps commands"
+echo "one file, $(tar -tzf plain.backup | grep -vc '/$') files in it; cut at every ${each}th of $steps commands"

@@ -1,10 +1,12 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# update_test.sh UPDATE SENSOR BOARD: whatever happens to an installation, the unit runs one whole version that was signed.
+# update_test.sh UPDATE SENSOR BOARD [EACH]: whatever happens to an installation, the unit runs one whole version that was signed.
+# It is cut short at every EACHth of its commands; 1: at every one.
 set -euo pipefail
-update=$1 sensor=$2 board=$3
+update=$1 sensor=$2 board=$3 each=${4:-1}
 command -v openssl >/dev/null || { echo "skipped: no openssl"; exit 77; }
-work=$(mktemp -d "${TMPDIR:-/tmp}/biteline-update-XXXXXX")
+. "$(dirname "${BASH_SOURCE[0]}")/work_folder.sh"
+work=$(work_folder biteline-update)
 trap 'rm -rf "$work"' EXIT
 bad() { echo "$1"; [ ! -f "$work/told" ] || cat "$work/told"; exit 1; }
 root=$work/root
@@ -34,7 +36,7 @@ package() {
 run() {
   local status=0
   "$update" --root "$root" --trusted "$work/own.pem" --board "$board" --head "${head:-$work/no_head}" --env "$work/sensor.env" \
-    --service "$work/service" --patience "${patience:-1}" "$@" >"$work/told" 2>&1 || status=$?
+    --service "$work/service" --patience "${patience:-3}" "$@" >"$work/told" 2>&1 || status=$?
   return $status
 }
 # A unit that runs version 1: begun once, and copied from then on.
@@ -172,27 +174,27 @@ killer_count=0
 trap 'if [ $BASHPID = $$ ] && [ $((killer_count += 1)) -eq $KILL_AT ]; then kill -9 $$; fi' DEBUG
 TEXT
 for folder in good blind; do
-  cuts=0 old=0 new=0
-  while true; do
-    cuts=$((cuts + 1))
+  tries=0 old=0 new=0
+  for ((cuts = 1; ; cuts += each)); do
+    tries=$((tries + 1))
     fresh
     status=0
     # The braces take the shell's own word of who was killed.
     {
       BASH_ENV=$killer KILL_AT=$cuts "$update" --root "$root" --trusted "$work/own.pem" --board "$board" --service "$work/service" \
-        --patience 1 install "$work/$folder" >"$work/told" 2>&1 || status=$?
+        --patience 3 install "$work/$folder" >"$work/told" 2>&1 || status=$?
     } 2>/dev/null
     [ $status -eq 137 ] || break
     run recover || bad "$folder, cut $cuts: recovery fails"
     expect_whole "$([ $folder = good ] && echo '1 2' || echo 1)" "$folder, cut $cuts"
     if [ "$(readlink "$root/current")" = versions/2 ]; then new=$((new + 1)); else old=$((old + 1)); fi
     # Once more, undisturbed: nothing that was left is in the way.
-    if [ $((cuts % 8)) -eq 0 ] && [ "$(readlink "$root/current")" = versions/1 ]; then
+    if [ $((tries % 8)) -eq 0 ] && [ "$(readlink "$root/current")" = versions/1 ]; then
       run install "$work/good" || bad "$folder, cut $cuts: no second try"
       expect_whole 2 "$folder, cut $cuts, second try"
     fi
   done
-  [ $cuts -gt 50 ] && [ $old -gt 40 ] || bad "$folder: only $cuts cuts"
+  [ $cuts -gt 50 ] && [ $((old * each)) -gt 40 ] || bad "$folder: only $cuts cuts"
   [ $status -eq "$([ $folder = good ] && echo 0 || echo 3)" ] || bad "$folder: exit $status at its end"
-  echo "$folder version: cut short at each of $((cuts - 1)) commands; $old times back, $new times there"
+  echo "$folder version: cut short at $((tries - 1)) of its $cuts commands; $old times back, $new times there"
 done

@@ -32,7 +32,9 @@ endif()
 
 # precompiled(<name> HEADERS...): target <name>, whose parsed headers other targets may start from.
 function(precompiled name)
-  file(WRITE ${CMAKE_BINARY_DIR}/generated/${name}.cpp "")
+  if(NOT EXISTS ${CMAKE_BINARY_DIR}/generated/${name}.cpp)
+    file(WRITE ${CMAKE_BINARY_DIR}/generated/${name}.cpp "")
+  endif()
   add_library(${name} OBJECT ${CMAKE_BINARY_DIR}/generated/${name}.cpp)
   target_link_libraries(${name} PRIVATE Eigen3::Eigen tl::expected)
   target_precompile_headers(${name} PRIVATE

@@ -17,6 +17,7 @@
 #include "tests/support/errors.hpp"
 #include "tests/support/head_points.hpp"
 #include "tests/support/json.hpp"
+#include "tests/support/long_tests.hpp"
 #include "tests/support/said.hpp"
 #include "tests/support/shared_data.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -160,6 +161,8 @@ TEST_GROUP(Commission) {
   }
 };
 
+LONG_GROUP(Commission){};
+
 TIMED_TEST(Commission, AnUncalibratedHeadIsCalibratedFromLivePictures) {
   const TargetShowSettings targets{.camera_places = 10, .laser_places = 6, .hand_eye_places = 10};
   if (!open(targets)) return;
@@ -186,7 +189,7 @@ TIMED_TEST(Commission, AnUncalibratedHeadIsCalibratedFromLivePictures) {
   CHECK_COMPARE(scanned_line_error_mm(out / "sensor.yaml", truth), <, 0.1);
 }
 
-TIMED_TEST(Commission, ChessboardsAreTakenByTheSameWizard) {
+TIMED_TEST(CommissionLong, ChessboardsAreTakenByTheSameWizard) {
   if (!open({.camera_places = 5, .laser_places = 3, .hand_eye_places = 0, .chessboard_squares = 2})) return;
   LONGS_EQUAL_TEXT(0, capture("camera", "target.yaml", 0, 5), all_said().c_str());
   STRCMP_CONTAINS("camera pictures: 5, good is 8", all_said().c_str());
@@ -196,7 +199,7 @@ TIMED_TEST(Commission, ChessboardsAreTakenByTheSameWizard) {
   CHECK_FALSE(cell->level(Line::LaserEnable));
 }
 
-TIMED_TEST(Commission, WhatIsNoPictureIsNotKept) {
+TIMED_TEST(CommissionLong, WhatIsNoPictureIsNotKept) {
   if (!open({.camera_places = 3, .laser_places = 1, .hand_eye_places = 0})) return;
   // A thirtieth of the lamp's exposure: dark.
   capture("camera", "target.yaml", 0, 1, {"--exposure-us", "600"}, 2);
@@ -213,7 +216,7 @@ TIMED_TEST(Commission, AnOpenDoorMeansNoLaserPicture) {
   CHECK_FALSE(fs::exists(calib / "laser/00_laser.png"));
 }
 
-TIMED_TEST(Commission, AScanIsKeptAsASessionWhoseReplayFindsTheLine) {
+TIMED_TEST(CommissionLong, AScanIsKeptAsASessionWhoseReplayFindsTheLine) {
   constexpr int k_attempts = 4;
   std::string told;
   for (int attempt = 0; attempt < k_attempts; ++attempt) {

@@ -19,6 +19,7 @@
 #include "hal/sim/bus/bus_devices.hpp"
 #include "hal/sim/shoe/surface_distance.hpp"
 #include "tests/support/errors.hpp"
+#include "tests/support/long_tests.hpp"
 #include "tests/support/shared_data.hpp"
 #include "tests/support/timed_test.hpp"
 
@@ -181,6 +182,8 @@ std::vector<double> distances_mm(const Scan& scan, const MadeScene& scene) {
 
 TEST_GROUP(LiveCell){};
 
+LONG_GROUP(LiveCell){};
+
 /// As for a recorded session: poses 0.010 mm, plain peaks 0.01 to 0.02 mm, facets; and 0.030 mm of the
 /// laser's speckle at f/5.6.  A stamp wrong by 1 ms would add 0.1 mm at the toe.
 void lies_on_shoe(const Scan& scan, const LiveCell& cell) {
@@ -202,7 +205,7 @@ TIMED_TEST(LiveCell, AScanThroughAllItsProtocolsLiesOnTheMadeShoe) {
   LONGS_EQUAL(1, cell->counts().scans);
 }
 
-TIMED_TEST(LiveCell, AtHalfOfRealTimeTheSamePicturesComeLater) {
+TIMED_TEST(LiveCellLong, AtHalfOfRealTimeTheSamePicturesComeLater) {
   LiveSettings settings = quick_cell();
   settings.scene.rate_hz = 50;
   settings.time_ratio = 0.5;
@@ -288,7 +291,7 @@ TEST(LiveCell, LaserIsDarkOnceTheMonostableHasRunOutWhateverItsLineDoes) {
 }
 
 // The arm goes where no ray tracer's numbers reach, and pictures are drawn there.
-TEST(LiveCell, GoalsBeyondAllBoundsEndNothing) {
+TEST(LiveCellLong, GoalsBeyondAllBoundsEndNothing) {
   const auto cell = open_cell(quick_cell());
   if (!cell) return;
   Devices devices(*cell);

@@ -8,6 +8,7 @@
 
 #include "tests/integration/faults/fault_stand.hpp"
 #include "tests/support/errors.hpp"
+#include "tests/support/long_tests.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace biteline::test {
@@ -48,6 +49,8 @@ TEST_GROUP(Asked) {
   }
 };
 
+LONG_GROUP(Asked){};
+
 TIMED_TEST(Asked, RecordingIsKeptWhenAHostAsksAndNoOtherOne) {
   stand = FaultStand::set_up({}, {"--record", series.string(), "--record-asked"});
   if (!stand) return;
@@ -72,7 +75,7 @@ TIMED_TEST(Asked, RecordingIsKeptWhenAHostAsksAndNoOtherOne) {
   CHECK(!fs::exists(series.string() + ".wanted"));
 }
 
-TIMED_TEST(Asked, SensorThatRecordsNothingOrEverythingSaysWhy) {
+TIMED_TEST(AskedLong, SensorThatRecordsNothingOrEverythingSaysWhy) {
   stand = FaultStand::set_up();
   if (!stand) return;
   refused(wire::Command::KeepLast, Errc::NotSupported, "records nothing");
@@ -85,7 +88,7 @@ TIMED_TEST(Asked, SensorThatRecordsNothingOrEverythingSaysWhy) {
   refused(wire::Command::KeepNext, Errc::NotSupported, "--record-asked");
 }
 
-TIMED_TEST(Asked, UnitTellsWhatItHasBeenThroughOverItsRestarts) {
+TIMED_TEST(AskedLong, UnitTellsWhatItHasBeenThroughOverItsRestarts) {
   stand = FaultStand::set_up({}, {"--upkeep", folder.path().string()});
   if (!stand) return;
   CHECK(stand->take_health());

@@ -8,6 +8,7 @@
 
 #include "tests/integration/faults/fault_stand.hpp"
 #include "tests/support/errors.hpp"
+#include "tests/support/long_tests.hpp"
 #include "tests/support/shared_data.hpp"
 
 namespace biteline::test {
@@ -65,6 +66,8 @@ TEST_GROUP(DataFaults) {
                 trigger.frames_without_edge + trigger.frames_with_two_edges);
   }
 };
+
+LONG_GROUP(DataFaults){};
 
 TIMED_TEST(DataFaults, NothingWrongNothingTold) {
   if (!scanning()) return;
@@ -207,7 +210,7 @@ TIMED_TEST(DataFaults, PacketsLostOnTheWayAreSentAgain) {
 
 /// The pose of each profile against where the arm was, at 250 mm/s on a circle: what all stamps together
 /// cost.
-TIMED_TEST(DataFaults, PosesErrByLessThanTwoHundredthsOfAMillimetreFromTimeAlone) {
+TIMED_TEST(DataFaultsLong, PosesErrByLessThanTwoHundredthsOfAMillimetreFromTimeAlone) {
   if (!scanning({.rate_hz = 97})) return;
   CHECK(stand->take_profiles(300));
   check_recovered();

@@ -62,7 +62,7 @@ Counts replayed_counts(const fs::path& session) {
 
 }  // namespace
 
-TEST_GROUP(EncoderPose) {
+TEST_GROUP(EncoderPoseLong) {
   TemporaryFolder folder;
   fs::path session = folder.path() / "scan";
 
@@ -86,7 +86,7 @@ TEST_GROUP(EncoderPose) {
   }
 };
 
-TIMED_TEST(EncoderPose, EachProfileHasItsCountLiveRecordedAndReplayed) {
+TIMED_TEST(EncoderPoseLong, EachProfileHasItsCountLiveRecordedAndReplayed) {
   scan();
   if (!fs::exists(session)) return;
   wait_for_recording();

@@ -11,9 +11,9 @@
 
 namespace biteline::test {
 
-TEST_GROUP(FullRate){};
+TEST_GROUP(FullRateLong){};
 
-TIMED_TEST(FullRate, ThousandWholeFramesNoneLostNoneUnaccountedFor) {
+TIMED_TEST(FullRateLong, ThousandWholeFramesNoneLostNoneUnaccountedFor) {
   constexpr std::uint64_t k_frames = 1000;
   const auto stand = FaultStand::set_up({.width_px = 1626, .height_px = 1236, .rate_hz = 100});
   if (!stand) return;

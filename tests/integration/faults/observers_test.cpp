@@ -14,6 +14,7 @@
 #include "common/wire/observer.hpp"
 #include "tests/integration/faults/fault_stand.hpp"
 #include "tests/support/errors.hpp"
+#include "tests/support/long_tests.hpp"
 
 namespace biteline::test {
 namespace {
@@ -146,8 +147,10 @@ TEST_GROUP(Observers) {
   }
 };
 
+LONG_GROUP(Observers){};
+
 /// The same scan without and with five observers, who want every kind of picture at the highest rate.
-TIMED_TEST(Observers, FiveOfThemCostNoFrameAndTheHostNothing) {
+TIMED_TEST(ObserversLong, FiveOfThemCostNoFrameAndTheHostNothing) {
   stand = FaultStand::set_up({.width_px = 1626, .height_px = 320, .rate_hz = 100});
   if (!stand) return;
   CHECK(scan());

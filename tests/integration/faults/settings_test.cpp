@@ -9,6 +9,7 @@
 #include "host/intake/child_process.hpp"
 #include "tests/integration/faults/fault_stand.hpp"
 #include "tests/support/errors.hpp"
+#include "tests/support/long_tests.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace biteline::test {
@@ -46,6 +47,8 @@ TEST_GROUP(SentSettings) {
   }
 };
 
+LONG_GROUP(SentSettings){};
+
 TIMED_TEST(SentSettings, RunningScanTakesExposureAndPeaksAtOnceAndRefusesTheRestByName) {
   stand = FaultStand::set_up();
   if (!stand) return;
@@ -77,7 +80,7 @@ TIMED_TEST(SentSettings, RunningScanTakesExposureAndPeaksAtOnceAndRefusesTheRest
   end_scan();
 }
 
-TIMED_TEST(SentSettings, NextScanHasWhatWasSentBetweenScansAndNothingOfWhatWasRefused) {
+TIMED_TEST(SentSettingsLong, NextScanHasWhatWasSentBetweenScansAndNothingOfWhatWasRefused) {
   stand = FaultStand::set_up();
   if (!stand) return;
   refused("camera: {gain: 1e4}", "camera.gain");
@@ -95,7 +98,7 @@ TIMED_TEST(SentSettings, NextScanHasWhatWasSentBetweenScansAndNothingOfWhatWasRe
   end_scan();
 }
 
-TIMED_TEST(SentSettings, TestPatternIsDarkKnownAndNobodysShoe) {
+TIMED_TEST(SentSettingsLong, TestPatternIsDarkKnownAndNobodysShoe) {
   const TemporaryFolder folder;
   const std::string series = (folder.path() / "scan").string();
   stand = FaultStand::set_up({}, {"--record", series});

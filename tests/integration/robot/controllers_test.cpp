@@ -11,9 +11,9 @@
 #include "host/robot/link/ur/arm_claim.hpp"
 #include "host/robot/link/ur/pendant_watch.hpp"
 #include "host/robot/link/ur/ur_link.hpp"
+#include "tests/integration/robot/short_path.hpp"
 #include "tests/support/timed_test.hpp"
 #include "tests/unit/host/robot/link/permitted.hpp"
-#include "tests/unit/host/robot/link/planned.hpp"
 
 namespace biteline::robot {
 namespace {
@@ -62,8 +62,8 @@ struct Cell {
       while (!over && !tool_on()) std::this_thread::sleep_for(milliseconds{2});
       if (!over) meanwhile();
     }};
-    Result<void> done = follow(
-        **link, test::permitted(test::planned_path("grind.yaml"), still->q_rad, said.now()), {}, report);
+    Result<void> done =
+        follow(**link, test::permitted(test::short_path(), still->q_rad, said.now()), {}, report);
     over = true;
     other.join();
     return done;

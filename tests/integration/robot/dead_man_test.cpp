@@ -15,10 +15,10 @@
 #include "host/robot/link/ur/pendant_watch.hpp"
 #include "host/robot/link/ur/script.hpp"
 #include "host/robot/link/ur/ur_link.hpp"
+#include "tests/integration/robot/short_path.hpp"
 #include "tests/soak/controller_between.hpp"
 #include "tests/support/timed_test.hpp"
 #include "tests/unit/host/robot/link/permitted.hpp"
-#include "tests/unit/host/robot/link/planned.hpp"
 
 namespace biteline::robot {
 namespace {
@@ -136,7 +136,7 @@ TEST_GROUP(DeadMan) {
   PermittedPath from_here(const ur::UrLink& link) const {
     const auto still = wait_until_still(link, {.turn_rad = k_ringing_rad, .move_mm = k_ringing_mm});
     CHECK(still.has_value());
-    return test::permitted(test::planned_path("grind.yaml"), still->q_rad, said.now());
+    return test::permitted(test::short_path(), still->q_rad, said.now());
   }
 
   /// One service, ended one way at a random moment. Seconds until arm and tool were safe.

@@ -75,7 +75,7 @@ TEST(FollowEndings, ProgramThatIsSaidToHaveEndedIsStoppedAndSeenAtRest) {
   }
 }
 
-TEST(FollowEndings, LineThatTheJudgeFindsLeftOutStopsTheArm) {
+ORDINARY_TIMED_TEST(FollowEndings, LineThatTheJudgeFindsLeftOutStopsTheArm) {
   // The arm comes to the path's end as planned, and the tip was 1.9 mm beside a part of it: within the limit,
   // so that only the judge's coverage speaks.
   limits.covered = 1.01;

@@ -12,8 +12,8 @@
 #include "host/robot/link/follow.hpp"
 #include "host/robot/link/ur/arm_claim.hpp"
 #include "host/robot/link/ur/ur_link.hpp"
+#include "tests/integration/robot/short_path.hpp"
 #include "tests/unit/host/robot/link/permitted.hpp"
-#include "tests/unit/host/robot/link/planned.hpp"
 
 namespace biteline::robot {
 namespace {
@@ -33,7 +33,7 @@ void starve_when_told(const std::stop_token& stop) {
 }
 
 int run(std::uint16_t rtde, std::uint16_t script, std::uint16_t dashboard) {
-  const path::CheckedPath& path = test::planned_path("grind.yaml");
+  const path::CheckedPath& path = test::short_path();
   const auto claim = ur::ArmClaim::take({.rtde_port = rtde, .patience_s = 20});
   if (!claim || (*claim)->state() != ur::ArmClaim::State::Held) return EXIT_FAILURE;
   const auto link = ur::UrLink::open({.rtde_port = rtde,
