@@ -66,7 +66,9 @@ class Releases:
         return int(done.stdout.split()[1])
 
     def cells(self, number):
-        rows = json.loads(self.order("--releases", "--json").stdout)["releases"]
+        # The database may be late on a busy machine; then it is asked again.
+        told = comes_true(lambda: (lambda done: done.stdout if done.returncode == 0 else "")(self.order("--releases", "--json")), "the releases are told")
+        rows = json.loads(told)["releases"]
         return {one["cell"]: one for row in rows if row["number"] == number for one in row["cells"]}
 
     def ready(self, number, cells=CELLS):
