@@ -151,6 +151,10 @@ Result<ExitStatus> Service::run(const std::atomic<bool>& stop) {
       if (looks() && !scan_) give_up_look(sensor_lost_);
       cockpit_->enter(CellEvent::Lost);
       cockpit_->lose_sensor(sensor_lost_);
+      if (scan_) {
+        scan_->trouble = sensor_lost_;
+        scan_->profiles_at_trouble = scan_->intake.profiles();
+      }
       // With the scan in, nobody waits for the sensor any more.
       const bool scan_in = (scan_ && scan_->intake.ended()) || !cut_off_.empty();
       if (options_.once && is_free() && !scan_in) return tl::unexpected<Error>{heard.error()};

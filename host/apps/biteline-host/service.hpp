@@ -101,6 +101,8 @@ class Service {
     bool calibration_checked{false};
     std::future<ArmSeen> arm_seen{};  ///< after the scan, asked meanwhile
     bool look{false};                 ///< at what is held, and no shoe of its own
+    std::string trouble{};            ///< why no more of it came in when it had so many profiles
+    std::optional<std::uint64_t> profiles_at_trouble{}, went_on_at{};
   };
   /// No scan is asked for at once: the machine spoilt the last one, or the sensor did not begin it.
   struct Rest {
@@ -207,6 +209,7 @@ class Service {
   /// biteline-web beside this service, and again when it ended.
   void keep_web();
   void show_idle();
+  void show_scan(const Scan& scan);
   /// What the uplink was told by the factory's centre: to the page, the log and stdout.
   void look_at_centre();
   /// From now on doors may decide about it.  `again`: only where they may already.  Thread: any.

@@ -33,7 +33,9 @@ void Service::show_idle() {
   if (result_.valid()) return;
   if (!held_) show_next_process();
   cockpit_->hinder(!robot_wrong_.empty() ? Hindrance::Robot : rest_ ? Hindrance::Rest : Hindrance::None);
+  if (scan_) return show_scan(*scan_);
   if (held_) {
+    if (looks()) return cockpit_->show("looks whether " + held_->name() + " has moved", "a person decides");
     if (held_->planned() != nullptr)
       return cockpit_->show(
           held_->name() + " waits for a person" + (held_->look_words.empty() ? "" : ": " + held_->look_words),
@@ -41,7 +43,6 @@ void Service::show_idle() {
     return cockpit_->show(held_->name() + " waits: its model is not known",
                           "choose its model, reject it, or scan again");
   }
-  if (scan_) return;
   const CellMachine cell = cockpit_->cell();
   const bool waits_for_start = cell.going() == Going::WaitsForStart;
   if (cell.going() == Going::Stopped) {
@@ -57,6 +58,15 @@ void Service::show_idle() {
   } else {
     cockpit_->show("waits for the sensor", "the next scan");
   }
+}
+
+void Service::show_scan(const Scan& scan) {
+  const bool look = scan.look && held_;
+  const std::string comes =
+      look ? "looks whether " + held_->name() + " has moved" : scan.folder.filename().string() + " comes in";
+  if (scan.profiles_at_trouble && *scan.profiles_at_trouble >= scan.intake.profiles())
+    return cockpit_->show(comes + ": " + scan.trouble, "it goes on once that is mended; stop ends it");
+  cockpit_->show(comes, look ? "a person decides" : "its line");
 }
 
 void Service::tell_held(const HeldScan& held, bool again) {

@@ -65,7 +65,7 @@ Result<void> Service::begin_look(const intake::Hello& hello) {
   scan_->mark = held_->scan.mark;
   asked_.reset();
   cockpit_->enter(CellEvent::ScanBegins);
-  cockpit_->show("looks whether " + held_->name() + " has moved", "a person decides");
+  show_scan(*scan_);
   say_step("looks again at %s", held_->name().c_str());
   return {};
 }

@@ -121,8 +121,10 @@ Result<void> Service::on_hello(const intake::Hello& hello) {
     cockpit_->enter(CellEvent::ScanIsIn);
   }
   if (scan_) {
-    say_step("goes on with %s at profile %llu", scan_->folder.filename().c_str(),
-             static_cast<unsigned long long>(scan_->intake.profiles()));
+    const std::uint64_t at = scan_->intake.profiles();
+    if (std::exchange(scan_->went_on_at, at) != at)
+      say_step("goes on with %s at profile %llu", scan_->folder.filename().c_str(),
+               static_cast<unsigned long long>(at));
     return {};
   }
   const bool has_scan = hello.scan_id != 0 && (hello.sensor.scanning || hello.sensor.lossless);

@@ -6,6 +6,7 @@ The shoe stands as it stood, was nudged by 0.3 mm, or is another one: worked, to
 With HELD_S each is held for so long first, and the process keeps its own limit of age.  WHICH is the one that is run: else all.
 """
 import json
+import resource
 import signal
 import sys
 import time
@@ -132,6 +133,26 @@ def sensor_that_goes_away_shows_nothing(cell, scan):
     assert not cell.said("sends the path", begin) and cell.arm.moved_after(time.monotonic() - 1) is None
 
 
+def full_disk_is_told(programs):
+    """In mid-look: said once, shown all the time, and no yes counts.  With room again the look goes on."""
+    with Cell(*programs) as cell:
+        scan = cell.held()
+        begin = len(cell.host.lines)
+        assert cell.call("POST", f"/scans/{scan}/look", {}, cell.token)[0] == 202
+        comes_true(lambda: cell.said("looks again at", begin), "the look begins")
+        cell.limit_files(1)
+        comes_true(lambda: "disk full" in cell.state()["now"], "the page shows it")
+        assert cell.call("POST", f"/scans/{scan}/accept", {}, cell.token)[0] == 409
+        time.sleep(5)  # five tries
+        state = cell.state()
+        assert "disk full" in state["now"] and "stop ends it" in state["next"], state
+        assert len([line for line in cell.host.lines[begin:] if "goes on with" in line]) <= 2, cell.host.lines[begin:]
+        cell.limit_files(resource.RLIM_INFINITY)
+        comes_true(lambda: waits_again(cell.state(), scan), "the look goes on")
+        assert json.loads((cell.results / scan / "look/report.json").read_text())["moved"]["verdict"] == "unmoved"
+        assert cell.state()["held"]["sendable"] and not cell.said("sends the path"), cell.state()
+
+
 def main():
     programs, held_s = sys.argv[1:6], float(sys.argv[6]) if len(sys.argv) > 6 else 0
     which = sys.argv[7] if len(sys.argv) > 7 else "all"
@@ -143,6 +164,8 @@ def main():
         what_changed_is_told(programs, held_s, "exchanged", {"other_shoe", "moved"}, {"other_shoe", "shoe_moved"})
     if which in ("stop", "all"):
         a_stop_ends_a_look(programs)
+    if which in ("disk", "all"):
+        full_disk_is_told(programs)
 
 
 main()

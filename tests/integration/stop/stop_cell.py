@@ -6,6 +6,7 @@ The arm is read over its real-time port by a client of this test's own, so that 
 import json
 import pathlib
 import queue
+import resource
 import signal
 import socket
 import sqlite3
@@ -170,7 +171,8 @@ class Cell:
         self.world = Program(cell, "serve", "--out", str(out / "cell"), "--arm", "ur10e", "--exit-with-parent")
         self.sensor = Program(sensor, "1000000", changed)
         at = json.loads(self.world.line_with('"rtde"'))
-        self.host = Program(host, "--sensor", self.sensor.line_with("tcp://"), "--out", str(self.results), "--uncertainty",
+        # A limit on its files stands for a full disk, and is no signal then.
+        self.host = Program("/bin/sh", "-c", "trap '' XFSZ; exec \"$@\"", "sh", host, "--sensor", self.sensor.line_with("tcp://"), "--out", str(self.results), "--uncertainty",
                             str(out / "uncertainty.yaml"), "--robot", "ur10e", "--process", str(out / "grind.yaml"), "--table-z",
                             str(at["table_z_mm"]), "--rtde", at["rtde"], "--script", at["primary"], "--dashboard", at["dashboard"],
                             "--send", "--library", str(out / "models"), "--control", "tcp://127.0.0.1:0", "--jobs", str(out / "jobs.yaml"), *more, "--exit-with-parent")
@@ -269,6 +271,10 @@ class Cell:
 
     def change(self):
         self.sensor.process.send_signal(signal.SIGUSR1)
+
+    def limit_files(self, most_bytes):
+        """No file of the service grows beyond that from now on, as on a full disk."""
+        resource.prlimit(self.host.process.pid, resource.RLIMIT_FSIZE, (most_bytes, resource.RLIM_INFINITY))
 
     def row(self, scan):
         return self.told("/scans/" + scan)
