@@ -115,10 +115,10 @@ RoundSigns round_signs(const CurveRival& rival) {
 }
 
 PartSigns part_signs(const CurveRival& rival) {
-  constexpr double k_least_per_mm = 0.02;  // nothing is plainer
-  const double own = std::log(std::max(k_least_per_mm, rival.own_per_mm));
-  const double rest = std::log(std::max(k_least_per_mm, rival.rest_per_mm));
-  return {1, std::min(own, rest), std::clamp(own - rest, -1.0, 1.0), rival.own_uneven};
+  // Nothing is plainer than the least; what shows nothing is no better known for that.
+  constexpr double k_least_per_mm = 0.02, k_most_per_mm = static_cast<double>(k_unseen_cost_per_mm);
+  return {1, std::log(std::clamp(rival.own_per_mm, k_least_per_mm, k_most_per_mm)),
+          std::log(std::max(k_least_per_mm, rival.faintest_per_mm))};
 }
 
 double log_odds_of(const CurveRival& rival, const ClosedCurve& curve, const PosteriorConfig& config) {

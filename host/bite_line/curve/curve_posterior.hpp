@@ -19,17 +19,16 @@ namespace biteline::bite_line {
 using RoundSigns = std::array<double, 3>;
 [[nodiscard]] RoundSigns round_signs(const CurveRival& rival);
 
-/// And over a part.  What was taken wrongly is the edge of a cap, a counter or a bumper.  It is less like the
-/// line than the rest of the curve is, it does not look the same all along, and it is rare on a plain line.
-/// 1, the logarithm of the lesser one of own_per_mm and rest_per_mm, that of the first over the second,
-/// within 1 of 0, and own_uneven.
-using PartSigns = std::array<double, 4>;
+/// And over a part.  What was taken wrongly is the edge of a cap, a counter or a bumper.  It costs more than a
+/// plain line does, and where it leaves the line, or comes back, it leads over plain surface.
+/// 1, and the logarithms of own_per_mm and faintest_per_mm.
+using PartSigns = std::array<double, 3>;
 [[nodiscard]] PartSigns part_signs(const CurveRival& rival);
 
 /// That a way is the line and the curve beside it is not: two logistic fits of `bench_curve_fit --rivals`.
 struct PosteriorConfig {
   RoundSigns round{4.85, 9.19, -3.59};
-  PartSigns part{0.33, 1.97, 2.03, 2.56};
+  PartSigns part{-4.00, 0.66, 3.34};
   /// Where nothing is seen, the way that costs as much is as likely.
   double unseen{1.0};
   double unseen_more{-20.0};

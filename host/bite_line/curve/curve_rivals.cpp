@@ -182,6 +182,7 @@ std::vector<CurveRival> ways_of(const ClosedCurve& other, const Band& band, cons
 struct SeenPlace {
   CreaseSigns signs;
   double per_mm;
+  double mm;  ///< to the next place
 };
 
 double mean_of(std::span<const SeenPlace> places, CreaseSign sign) {
@@ -210,6 +211,21 @@ double uneven_along(std::span<const SeenPlace> places) {
   return std::sqrt(squares / static_cast<double>(places.size() - k_run + 1));
 }
 
+/// Over 3 mm: the most of it that looks like no line.
+double faintest_of(std::span<const SeenPlace> places) {
+  constexpr double k_run_mm = 3;
+  double most = 0;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    double cost = 0, mm = 0;
+    for (std::size_t j = i; j < places.size() && mm < k_run_mm; ++j) {
+      cost += places[j].per_mm * places[j].mm;
+      mm += places[j].mm;
+    }
+    if (mm >= k_run_mm || i == 0) most = std::max(most, cost / mm);
+  }
+  return most;
+}
+
 /// What rivals look like, beside their stretches of a curve.
 class Looker {
  public:
@@ -218,31 +234,39 @@ class Looker {
   }
 
   void look_at(CurveRival& rival) const {
-    std::vector<SeenPlace> way, stretch, rest;
+    std::vector<SeenPlace> way;
     for (const CurveState& at : rival.states)
       if (const std::optional<SeenPlace> place = place_at(at)) way.push_back(*place);
-    for (std::size_t i = 0; i < own_.size(); ++i) {
-      const std::optional<SeenPlace>& place = own_[(rival.first + i) % own_.size()];
-      if (place) (i < rival.count ? stretch : rest).push_back(*place);
-    }
+    const std::vector<SeenPlace> stretch = own_part(rival.first, rival.count);
     rival.seen = 3 * way.size() > rival.states.size() && 3 * stretch.size() > rival.count;
     if (!rival.seen) return;
     const std::vector<SeenPlace>& upper = rival.above_mm > 0 ? way : stretch;
     rival.two_surfaces = mean_of(upper, CreaseSign::TwoSurfaces);
     rival.uneven = uneven_along(upper);
-    rival.own_uneven = uneven_along(stretch);
     rival.own_per_mm = mean_per_mm(stretch);
-    // A rest that nobody saw is not plain.
-    rival.rest_per_mm = mean_per_mm(rest.empty() ? stretch : rest);
+    // The curve leaves the line, and comes back to it, before the way is well beside it.
+    const std::size_t ends = std::min(k_leaving, (own_.size() - rival.count) / 2);
+    rival.faintest_per_mm = faintest_of(own_part(rival.first + own_.size() - ends, rival.count + 2 * ends));
   }
 
  private:
+  static constexpr std::size_t k_leaving = 6;  // states: 4.5 mm, twice RivalConfig::same_mm
+
+  /// What was seen of so many states of the curve.
+  [[nodiscard]] std::vector<SeenPlace> own_part(std::size_t first, std::size_t count) const {
+    std::vector<SeenPlace> part;
+    for (std::size_t i = first; i < first + count; ++i)
+      if (const std::optional<SeenPlace>& place = own_[i % own_.size()]) part.push_back(*place);
+    return part;
+  }
+
   [[nodiscard]] std::optional<SeenPlace> place_at(const CurveState& at) const {
     const int col = ground_.raster.round_col(at.col);
     const std::size_t cell = ground_.raster.at(at.row, col);
     if (ground_.raster.seen[cell] == 0) return std::nullopt;
     return SeenPlace{.signs = ground_.looks.all(at.row, col, at.direction),
-                     .per_mm = static_cast<double>(ground_.costs.of(cell, at.direction))};
+                     .per_mm = static_cast<double>(ground_.costs.of(cell, at.direction)),
+                     .mm = k_cell_steps[at.direction].length() * Raster::k_cell_mm};
   }
 
   const CurveGround& ground_;

@@ -25,9 +25,8 @@ struct CurveRival {
   double two_surfaces{1};
   /// How much that one's looks change along it: the standard deviation of what it costs for each millimetre.
   double uneven{0};
-  double own_uneven{0};   ///< the same of the stretch
-  double own_per_mm{0};   ///< what the stretch costs, where it was seen
-  double rest_per_mm{0};  ///< and what the rest of the curve costs
+  double own_per_mm{0};       ///< what the stretch costs, where it was seen
+  double faintest_per_mm{0};  ///< and over those 3 mm that cost the most, 4.5 mm beyond its ends among them
   /// Log odds of a way all round by what it and the curve are as wholes; 0 where nobody looked.
   double as_whole{0};
 };

@@ -61,11 +61,6 @@ TEST(GuardLines, ACapsEdgeAboveAGuardIsNotTheLine) {
   CHECK(worst_of({{992, 119}, {3015, 20}, {3015, 289}, {3020, 168}, {3021, 3}}) != Judged::Wrong);
 }
 
-TEST(GuardLines, AGrooveBelowAGuardThatGoesOnBesideTheLineIsNotTheLine) {
-  // It was wrong without a word, over 55 mm.
-  CHECK(worst_of({{3019, 227}}) != Judged::Wrong);
-}
-
 TEST(GuardLines, ACornerOfAGuardSaysHowFarItMayBeOff) {
   // It was wrong without a word, over 7 mm.
   CHECK(worst_of({{3013, 205}}) == Judged::Right);
