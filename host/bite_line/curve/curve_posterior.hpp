@@ -19,9 +19,9 @@ namespace biteline::bite_line {
 using RoundSigns = std::array<double, 3>;
 [[nodiscard]] RoundSigns round_signs(const CurveRival& rival);
 
-/// And over a part.  What was taken wrongly is the edge of a cap, a counter or a bumper.  It costs more than a
-/// plain line does, and where it leaves the line, or comes back, it leads over plain surface.
-/// 1, and the logarithms of own_per_mm and faintest_per_mm.
+/// And over a part.  What was taken wrongly is the edge of a cap, a counter or a bumper.  It costs more than
+/// a plain line does, and where it leaves the line, or comes back, it leads over plain surface. 1, and the
+/// logarithms of own_per_mm and faintest_per_mm.
 using PartSigns = std::array<double, 3>;
 [[nodiscard]] PartSigns part_signs(const CurveRival& rival);
 
