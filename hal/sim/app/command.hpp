@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "common/core/result.hpp"
 #include "common/options/command.hpp"
@@ -44,6 +45,9 @@ struct SceneOptions {
   double scan_begin_ratio{0};  ///< of the way round, from the heel, anticlockwise
   bool scan_clockwise{false};
   double check_lap_mm{0};  ///< the scan's ends overlap by so much, differently held; 0: they do not
+  std::string work{};      ///< what was done to the shoe; empty: nothing
+  std::vector<double> work_band_mm{2, 10};  ///< from the line, its low edge and its high one
+  std::vector<double> work_gap_mm{};        ///< middle along the outline, length
   std::string reach_of{};  ///< an arm: the shoe stands where it gets all the way round; empty: anywhere
 };
 
@@ -52,6 +56,8 @@ void add_scene_options(options::Command& command, SceneOptions& options);
 void add_way_round_options(options::Command& command, SceneOptions& options);
 /// Of the head's lens and laser: what speckle they make.
 void add_light_options(options::Command& command, LightOptions& options);
+/// What a process did before the scan.  Of recordings alone, too.
+void add_work_options(options::Command& command, SceneOptions& options);
 /// Of recordings alone: a live cell has its own arm and says how the head hangs on it.
 void add_reach_option(options::Command& command, SceneOptions& options);
 [[nodiscard]] Result<sim::SceneSettings> scene_settings(const SceneOptions& options);

@@ -54,7 +54,7 @@ Result<void> record(const RecordOptions& options) {
   sim::RecordSettings record_settings{
       .pose_clock_offset = Nanoseconds{std::llround(options.clock_offset_ms * 1e6)},
       .tell_clock_offset = !options.hide_clock_offset,
-      .noise_seed = settings.shoe.seed,
+      .noise_seed = settings.shoe.seed + (settings.work ? 1 : 0),  // a worked shoe is scanned a second time
       .part = options.part,
       .disturbances = disturbances_of(options.world),
       .arrival = arrival_of(options)};
@@ -82,7 +82,7 @@ struct CloudOptions {
 Result<void> record_cloud(const CloudOptions& options) {
   BITELINE_ASSIGN(const sim::SceneSettings settings, scene_settings(options.scene));
   sim::ScanSettings scan = options.scan;
-  scan.seed = settings.place_seed;
+  scan.seed = settings.place_seed + (settings.work ? 1'000'000 : 0);
   BITELINE_TRY(sim::record_cloud(options.out, settings, scan));
   std::printf("simulated cloud of shoe %s %llu: %s\n",
               std::string(sim::name_of(settings.shoe.shoe_class)).c_str(),
@@ -164,6 +164,7 @@ void add_record(options::Command& app, Context& context) {
   add_scene_options(*command, options->scene);
   add_light_options(*command, options->scene.light);
   add_way_round_options(*command, options->scene);
+  add_work_options(*command, options->scene);
   add_reach_option(*command, options->scene);
   add_world_options(*command, options->world);
   options::Option* arm = command->add_option(
@@ -208,6 +209,7 @@ void add_record_cloud(options::Command& app, Context& context) {
   options::Command* command = app.add_subcommand(
       "record-cloud", "Write a made scan as a finished cloud, with its truth; no pictures, no time runs");
   add_scene_options(*command, options->scene);
+  add_work_options(*command, options->scene);
   add_reach_option(*command, options->scene);
   command->add_option("--out", options->out, "The folder of cloud.ply and truth/")->required();
   command->add_option("--profile-step-mm", options->scan.profile_step_mm, "Between stripes along the outline")

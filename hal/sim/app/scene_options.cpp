@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
 #include <utility>
 
 #include "common/options/command.hpp"
@@ -100,6 +101,27 @@ void add_way_round_options(options::Command& command, SceneOptions& options) {
                    "anticlockwise then turns the wrist back (default: anticlockwise)");
 }
 
+void add_work_options(options::Command& command, SceneOptions& options) {
+  const std::vector<std::string> works{sim::k_work_names.begin(), sim::k_work_names.end()};
+  options::Option* work =
+      command
+          .add_option("--work", options.work,
+                      "The shoe was worked before: a band of film, or of ground surface, runs along its line")
+          ->check(options::one_of(works));
+  command
+      .add_option("--work-band", options.work_band_mm,
+                  "Its low and its high edge above the line, on the surface [mm]")
+      ->check(options::number({.minimum = -20, .maximum = 30}, "mm"))
+      ->expected(2)
+      ->needs(work);
+  command
+      .add_option("--work-gap", options.work_gap_mm,
+                  "A gap in it: its middle along the outline, and its length [mm]")
+      ->check(options::number({.minimum = 0, .maximum = 2000}, "mm"))
+      ->expected(2)
+      ->needs(work);
+}
+
 void add_reach_option(options::Command& command, SceneOptions& options) {
   command
       .add_option("--within-reach-of", options.reach_of,
@@ -152,6 +174,18 @@ Result<sim::SceneSettings> scene_settings(const SceneOptions& options) {
   if (!options.reach_of.empty()) settings.places = sim::places_within_reach_of(options.reach_of);
   if (options.upper) {
     settings.shoe = sim::bare_upper_of(settings.shoe, options.last_difference_mm, settings.place_seed);
+  }
+  if (!options.work.empty()) {
+    const double low_mm = options.work_band_mm[0], high_mm = options.work_band_mm[1];
+    if (!(low_mm < high_mm)) return fail(Errc::InvalidArgument, "--work-band: the low edge first expected");
+    const auto named = std::ranges::find(sim::k_work_names, std::string_view{options.work});
+    settings.work = {.work = static_cast<sim::Work>(named - sim::k_work_names.begin()),
+                     .film_seed = settings.place_seed,
+                     .plan = {.offset_mm = (low_mm + high_mm) / 2, .width_mm = high_mm - low_mm}};
+    if (!options.work_gap_mm.empty())
+      settings.work->plan.faults.push_back({.kind = sim::WorkFault::Kind::Gap,
+                                            .s_mm = options.work_gap_mm[0],
+                                            .length_mm = options.work_gap_mm[1]});
   }
   return settings;
 }

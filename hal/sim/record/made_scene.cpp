@@ -16,6 +16,9 @@ namespace {
 /// normal by up to 26 degrees, and the scan takes half the time: the wrist's last joint is what limits it.
 constexpr double k_turn_ratio = 0.6;
 
+/// A film's edges are as fine as the line: so far from it, at least.
+constexpr double k_worked_band_mm = 16;
+
 using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
 
 Result<void> close(File file, const std::filesystem::path& path) {
@@ -37,6 +40,22 @@ Result<void> write_line(const std::filesystem::path& path, const PlacedShoe& pla
   for (const auto& place : placed.line) {
     const Vec3 p = placed.T_base_shoe * place.point_shoe;
     std::fprintf(file.get(), "%.4f,%.4f,%.4f\n", p.x(), p.y(), p.z());
+  }
+  return close(std::move(file), path);
+}
+
+Result<void> write_band(const std::filesystem::path& path, const PlacedShoe& placed) {
+  const WorkedBand& band = *placed.shoe.parameters().worked;
+  BITELINE_ASSIGN(File file, create(path));
+  std::fprintf(file.get(),
+               "#low_x [mm],low_y [mm],low_z [mm],high_x [mm],high_y [mm],high_z [mm],layers []\n");
+  for (const TrueLinePoint& place : placed.line) {
+    const Section section = placed.shoe.section(place.s_mm);
+    const BandHere here = band_at(band, place.s_mm);
+    const Vec3 low = placed.T_base_shoe * section.point(here.edges.low_z_mm),
+               high = placed.T_base_shoe * section.point(here.edges.high_z_mm);
+    std::fprintf(file.get(), "%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.2f\n", low.x(), low.y(), low.z(), high.x(),
+                 high.y(), high.z(), here.layers);
   }
   return close(std::move(file), path);
 }
@@ -79,6 +98,12 @@ PlacedShoe place_shoe(const SceneSettings& settings) {
     sample.last_difference_mm = 0;
     line = carried_line(true_line(MadeShoe(sample), k_true_line_spacing_mm), shoe);
   }
+  if (settings.work && !line.empty()) {
+    ShoeParameters worked = settings.shoe;
+    worked.worked =
+        lay_band(shoe, line, settings.work->plan, draw_film(settings.work->work, settings.work->film_seed));
+    shoe = MadeShoe(std::move(worked));
+  }
   return {.shoe = std::move(shoe),
           .T_base_shoe = draw_place(settings.place_seed, settings.places, settings.shoe.outline.length_mm),
           .line = std::move(line)};
@@ -90,7 +115,9 @@ Result<std::unique_ptr<MadeScene>> make_scene(const SceneSettings& settings) {
   head.model.rate_hz = settings.rate_hz;
   head.faults.ambient_grey = settings.ambient_grey;
   set_light(head, settings.light);
-  SurfaceMesh mesh = mesh_of(placed.shoe, settings.fineness);
+  MeshFineness fineness = settings.fineness;
+  if (settings.work) fineness.fine_band_mm = std::max(fineness.fine_band_mm, k_worked_band_mm);
+  SurfaceMesh mesh = mesh_of(placed.shoe, fineness);
   SurfaceMesh seen = mesh;
   if (settings.surroundings) add_surroundings(seen, placed.shoe.outline());
   BITELINE_ASSIGN(Scene scene, Scene::build(seen));
@@ -109,6 +136,7 @@ Result<std::unique_ptr<MadeScene>> make_scene(const SceneSettings& settings) {
 Result<void> write_line_truth(const std::filesystem::path& folder, const PlacedShoe& placed) {
   BITELINE_TRY(make_folder(folder));
   if (!placed.line.empty()) BITELINE_TRY(write_line(folder / "groove.csv", placed));
+  if (placed.shoe.parameters().worked) BITELINE_TRY(write_band(folder / "worked.csv", placed));
   return write_matrix(folder / "T_base_shoe.txt", placed.T_base_shoe);
 }
 

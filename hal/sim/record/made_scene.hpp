@@ -29,8 +29,16 @@ struct PlaceRange {
 /// for a grown-up's shoe.
 [[nodiscard]] PlaceRange places_within_reach_of(std::string_view arm);
 
+/// What a process did to the shoe before it is scanned.
+struct WorkDone {
+  Work work{Work::WetGlue};
+  std::uint64_t film_seed{1};
+  BandPlan plan{};
+};
+
 struct SceneSettings {
-  ShoeParameters shoe{};
+  ShoeParameters shoe{};  ///< as it was before any work
+  std::optional<WorkDone> work{};
   std::uint64_t place_seed{1};  ///< where the shoe stands
   PlaceRange places{};
   std::uint64_t head_seed{21};
@@ -50,7 +58,7 @@ struct SceneSettings {
 struct PlacedShoe {
   MadeShoe shoe;
   SE3 T_base_shoe;
-  std::vector<TrueLinePoint> line;  ///< empty: there is none
+  std::vector<TrueLinePoint> line;  ///< empty: there is none; of the shoe before it was worked
 };
 [[nodiscard]] PlacedShoe place_shoe(const SceneSettings& settings);
 
@@ -70,7 +78,8 @@ inline constexpr double k_true_line_spacing_mm = 0.5;
 
 [[nodiscard]] SE3 draw_place(std::uint64_t seed, const PlaceRange& range, double shoe_length_mm);
 
-/// truth/groove.csv (none for a shoe without line), truth/T_base_shoe.txt.
+/// truth/groove.csv (none for a shoe without line), truth/T_base_shoe.txt, truth/worked.csv (of a worked one:
+/// both edges beside each point of the line, and whether anything lies between them).
 [[nodiscard]] Result<void> write_line_truth(const std::filesystem::path& folder, const PlacedShoe& placed);
 /// These and truth/reference.ply: the whole surface, or that part of it.
 [[nodiscard]] Result<void> write_truth(const std::filesystem::path& folder, const MadeScene& scene,

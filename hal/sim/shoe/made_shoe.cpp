@@ -79,6 +79,16 @@ constexpr double k_shaft_soft_mm = 12;
 /// A sole nearer to the table than this stands on it.
 constexpr double k_off_table_mm = 0.8;
 
+/// What layers of a film make of what is below them.
+void lay_film(const Film& film, double layers, SurfaceLook& look) {
+  if (layers <= 0) return;
+  const double below = std::pow(1 - film.cover_ratio, layers);
+  look.diffuse_ratio = below * look.diffuse_ratio * std::pow(film.diffuse_factor, layers) +
+                       (1 - below) * film.own_diffuse_ratio;
+  look.scattering_mm += layers * film.scattering_by_mm;
+  look.roughness_mm += std::min(layers, 1.0) * (film.roughness_mm - look.roughness_mm);
+}
+
 /// What a filled groove keeps: hardly a valley, a wide fillet.
 constexpr double k_filled_depth_ratio = 0.05;
 constexpr double k_filled_lip_width_mm = 1.3;
@@ -200,6 +210,7 @@ Section MadeShoe::section(double s_mm) const {
   };
   meet(p.sole.reliefs, section.sole_reliefs_);
   meet(p.upper.reliefs, section.upper_reliefs_);
+  if (p.worked) section.worked_ = band_at(*p.worked, s_mm);
   return section;
 }
 
@@ -325,6 +336,12 @@ double Section::upper_mm(double u_mm) const {
 }
 
 double Section::offset_mm(double z_mm) const {
+  const double unworked = unworked_mm(z_mm);
+  if (!worked_) return unworked;
+  return unworked + shoe_->parameters_.worked->film.height_mm * worked_->layers_at(z_mm);
+}
+
+double Section::unworked_mm(double z_mm) const {
   const ShoeParameters& p = shoe_->parameters_;
   const Groove& groove = p.groove;
   const double u_mm = z_mm - line_height_mm_;
@@ -383,6 +400,7 @@ SurfaceLook Section::look(double z_mm) const {
     if (square(way_mm / patch.half_length_mm) + square((u_mm - patch.u_mm) / patch.half_height_mm) < 1)
       look.glossy = true;
   }
+  if (worked_) lay_film(p.worked->film, worked_->layers_at(z_mm), look);
   return look;
 }
 

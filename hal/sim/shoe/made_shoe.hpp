@@ -45,6 +45,7 @@ class Section {
   [[nodiscard]] double side_of_sole_mm(double u_mm, double z_mm) const;
   [[nodiscard]] double sole_mm(double u_mm, double z_mm) const;
   [[nodiscard]] double upper_mm(double u_mm) const;
+  [[nodiscard]] double unworked_mm(double z_mm) const;
   [[nodiscard]] double decoration_of_upper_mm(double u_mm) const;
   /// A relief as this section meets it.
   struct LocalRelief {
@@ -76,6 +77,7 @@ class Section {
   std::vector<double> swoosh_way_mm_;
   std::vector<LocalRelief> sole_reliefs_;
   std::vector<LocalRelief> upper_reliefs_;
+  std::optional<BandHere> worked_{};
 };
 
 class MadeShoe {

@@ -52,7 +52,8 @@ class StripeOn {
     const double distance_mm = to_laser.norm();
     const double cosine = Vec2{1, -slope}.normalized().dot(to_laser) / distance_mm;
     const double sigma_px = std::hypot(k_sheet_px, k_blur_px, look.scattering_mm / k_mm_per_px);
-    const double grey = k_full_grey * facing_ratio_ * (look.glossy ? k_gloss_ratio : look.diffuse_ratio) *
+    const double grey = k_full_grey * settings_.light_ratio * facing_ratio_ *
+                        (look.glossy ? k_gloss_ratio : look.diffuse_ratio) *
                         std::max(cosine, k_least_cosine) * (settings_.laser_distance_mm / distance_mm) *
                         (k_sheet_px / sigma_px) * (1 + speckle_ratio(sigma_px) * random_.gaussian());
     cloud.amplitude.push_back(
@@ -94,7 +95,7 @@ ScannedCloud scan_quickly(const MadeShoe& shoe, const ScanSettings& settings, co
   std::vector<double> z_mm, offset_mm;
   std::vector<bool> seen;
   for (int profile = 0; profile < profiles; ++profile) {
-    const Section section = shoe.section(shoe.perimeter_mm() * profile / profiles);
+    const Section section = shoe.section(settings.begin_s_mm + shoe.perimeter_mm() * profile / profiles);
     // Columns do not stand still on the shoe: the arm never repeats a height exactly.
     const double first_z_mm = std::max(section.bottom_z_mm(), settings.field_low_z_mm) +
                               settings.column_step_mm * random.uniform({0, 1});

@@ -18,6 +18,7 @@ namespace biteline::sim {
 
 struct ScanSettings {
   double profile_step_mm{1.0};   ///< between stripes along the outline
+  double begin_s_mm{0};          ///< of the first one
   double column_step_mm{0.073};  ///< between points of a profile, on the surface's height
   /// Standard deviation along the ray.  What a point of a scan at f/5.6 (contrast 0.47) has once it is
   /// averaged along its stripe, where that is straight: half of one column's (optics::stripe_noise()).
@@ -32,6 +33,7 @@ struct ScanSettings {
   std::uint64_t seed{1};
   /// With the stripe's amplitude and width.  The points are the same without.
   bool stripe{false};
+  double light_ratio{1};  ///< of the stripe's amplitude: another exposure, or laser power
 };
 
 /// Scan order; all arrays of one length.  Coordinates in the frame that `T_frame_shoe` maps to.

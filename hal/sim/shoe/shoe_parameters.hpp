@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "hal/sim/shoe/outline.hpp"
+#include "hal/sim/shoe/worked_band.hpp"
 
 namespace biteline::sim {
 
@@ -251,6 +252,7 @@ struct ShoeParameters {
   UpperShape upper{};
   std::vector<GlossPatch> gloss{};
   Reflectance reflectance{};
+  std::optional<WorkedBand> worked{};  ///< laid on all that
 };
 
 /// A shoe of the class, drawn by the seed: left or right, all measures varied, 150 to 330 mm long, designed

@@ -146,6 +146,7 @@ int main(int argc, char** argv) {
   add_extract(app, context);
   add_history(app, context);
   add_calibrate(app, context);
+  add_inspect(app, context);
   add_keys(app, context);
   add_line(app, context);
   add_model(app, context);
@@ -155,6 +156,7 @@ int main(int argc, char** argv) {
   add_plan(app, context);
   add_batch(app, context);
   add_settings(app, context);
+  add_study(app, context);
   add_sweep(app, context);
 
   if (const std::optional<biteline::options::Leave> leave = app.parse(words_of(argc, argv))) {
