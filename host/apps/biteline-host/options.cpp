@@ -52,6 +52,10 @@ ParsedOptions parse_options(int argc, char** argv) {
   auto* arm = app.add_option("--robot", robot.arm,
                              "UR3e, UR5e, UR10e, UR3, UR5 or UR10: plan its path along the line");
   app.add_option("--process", robot.process, "Process YAML: tool, placement, motion")->needs(arm);
+  app.add_option("--natural-hz", robot.natural_hz,
+                 "The softest joint's own frequency with the tool, where it was measured [Hz]; else 8")
+      ->check(options::number({.minimum = 1, .maximum = 100}, "Hz"))
+      ->needs(arm);
   app.add_option("--table-z", robot.table_z_mm, "Height of the table in the robot's base [mm]")
       ->check(options::number(k_plausible_mm, "mm"))
       ->needs(arm);

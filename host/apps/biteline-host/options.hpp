@@ -20,9 +20,10 @@ struct RobotOptions {
   std::filesystem::path process;  ///< process YAML
   std::string rtde{"127.0.0.1:30004"};
   std::string script{"127.0.0.1:30001"};
-  std::string dashboard;  ///< empty: port 29999 of the script's machine
-  std::string robot_api;  ///< of a PolyScope X; empty: port 80 of the script's machine
-  std::string serial;     ///< of the one arm that may be meant; empty: any of that model
+  std::string dashboard;             ///< empty: port 29999 of the script's machine
+  std::string robot_api;             ///< of a PolyScope X; empty: port 80 of the script's machine
+  std::string serial;                ///< of the one arm that may be meant; empty: any of that model
+  std::optional<double> natural_hz;  ///< of the softest joint, measured; none: assumed
   double table_z_mm{0};
   std::optional<double> fixture_z_mm;  ///< its top, where the shoe stands on one
   double fixture_beyond_mm{path::Fixture{}.beyond_mm};

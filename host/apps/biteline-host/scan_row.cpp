@@ -135,6 +135,9 @@ std::optional<memory::Scan> row_of(const fs::path& folder) {
     take_line(folder / "line.csv", scan);
     const Json plan = read_json(folder / "path/report.json");
     if (plan.is_object() && text_of(plan, "status") == "refused") take_refusal(plan, scan);
+    if (const auto tip = plan.is_object() ? plan.find("tip") : plan.end();
+        tip != plan.end() && tip->is_object())
+      scan.tip_bound_mm = number_of(*tip, "bound_mm");
     if (const Json gate = read_json(folder / "gate.json"); gate.is_object()) take_gate(gate, scan);
     if (const Json followed = read_json(folder / "followed.json"); followed.is_object()) {
       const auto completed = followed.find("completed");

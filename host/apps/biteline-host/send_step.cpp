@@ -79,13 +79,15 @@ void tell_age(const SendRequest& request, robot::GateInputs& inputs) {
 robot::GateInputs gate_inputs(const PlanStep& plan, const SendRequest& request) {
   robot::GateInputs inputs;
   const path::Process& process = plan.request.process;
+  const path::Certainty certain = path::certainty_of(plan.outcome.path->path(), process.gate.tolerance_mm);
   inputs.limits = process.gate;
   inputs.scan = request.scan;
   tell_age(request, inputs);
   const SE3 off = plan.outcome.path->path().T_flange_tcp.inverse() * process.tool.T_flange_tcp;
   inputs.result = {.line_passed = path::all_passed(path::check_line(plan.request.line)),
                    .path_passed = false,
-                   .u95_mm = path::certainty_of(plan.outcome.path->path(), process.gate.tolerance_mm).u95_mm,
+                   .u95_mm = certain.u95_mm,
+                   .tip_bound_mm = certain.tip_bound_mm,
                    .tool_off_mm = off.translation().norm(),
                    .tool_off_rad = geometry::log_so3(off.linear()).norm(),
                    .same_payload = same_payload(plan.outcome.path->path().payload,

@@ -49,6 +49,7 @@ Result<Service> Service::create(const Options& options, robot::Stops& stops) {
     robot.emplace();
     robot->options = *options.robot;
     BITELINE_ASSIGN(robot->arm, kinematics::arm_model(options.robot->arm));
+    if (options.robot->natural_hz) robot->arm.give = kinematics::joint_give(*options.robot->natural_hz, true);
     BITELINE_ASSIGN(robot->process, take_process(options.robot->process));
   }
   std::optional<Carrier> carrier;

@@ -43,6 +43,7 @@ Service::Remembered Service::remember(const fs::path& folder, const std::string&
     row->length_mm = (*before)->length_mm;
     row->confidence = (*before)->confidence;
     row->u95_mm = (*before)->u95_mm;
+    row->tip_bound_mm = (*before)->tip_bound_mm;
     const auto& told = report::refusal_row(robot::Refused::FilesChanged);
     row->reason_code = told.name;
     row->reason = *changed;

@@ -70,6 +70,7 @@ nlohmann::ordered_json json_of(const memory::Scan& scan) {
           {"length_mm", or_null(scan.length_mm)},
           {"confidence", or_null(scan.confidence)},
           {"u95_mm", or_null(scan.u95_mm)},
+          {"tip_bound_mm", or_null(scan.tip_bound_mm)},
           {"weak_stretches", scan.weak_stretches},
           {"line_s", or_null(scan.line_s)},
           {"cycle_s", or_null(scan.cycle_s)},

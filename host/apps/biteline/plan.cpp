@@ -27,6 +27,7 @@ struct PlanOptions {
   std::string robot;
   std::vector<double> base_at{0, 0, 0, 0};  // x y z [mm], yaw [deg]
   std::vector<double> from_deg;
+  std::optional<double> natural_hz;
   double table_z_mm{0};
   std::optional<double> fixture_z_mm;
   double fixture_beyond_mm{path::Fixture{}.beyond_mm};
@@ -48,11 +49,13 @@ Result<path::PlanRequest> read_request(const PlanOptions& options, report::Repor
   if (!options.kinematics.empty()) {
     BITELINE_ASSIGN(request.arm, kinematics::with_calibration(request.arm, options.kinematics));
   }
+  if (options.natural_hz) request.arm.give = kinematics::joint_give(*options.natural_hz, true);
   BITELINE_ASSIGN(request.process, read_process(options, false));
   if (!options.touches.empty()) {
     BITELINE_ASSIGN(const std::vector<SE3> touches, kinematics::read_touches(options.touches));
     BITELINE_ASSIGN(const kinematics::ToolTouch fit, kinematics::fit_tool_touch(touches, {}));
     request.process.tool.T_flange_tcp.translation() = fit.tip_flange;
+    request.mounted.tip_u95_mm = fit.u95_mm;
     report.fields["tool_touch"] = {{"touches", touches.size()},
                                    {"rms_mm", fit.rms_mm},
                                    {"sigma_mm", fit.sigma_mm.norm()},
@@ -119,6 +122,10 @@ void add_plan(options::Command& app, Context& context) {
   command->add_option("--out", options->out, "Folder for path.csv, path.script, report.json")->required();
   command->add_option("--kinematics", options->kinematics,
                       "The arm's factory calibration (YAML of the ROS extractor)");
+  command
+      ->add_option("--natural-hz", options->natural_hz,
+                   "The softest joint's own frequency with the tool, where it was measured [Hz]; else 8")
+      ->check(number({.minimum = 1, .maximum = 100}, "Hz"));
   command
       ->add_option("--base-at", options->base_at,
                    "Place of the arm's base in the line's frame: x y z [mm] yaw [deg]")

@@ -245,6 +245,7 @@ Json to_json(const memory::Scan& scan) {
            {"length_mm", or_null(scan.length_mm)},
            {"confidence", or_null(scan.confidence)},
            {"u95_mm", or_null(scan.u95_mm)},
+           {"tip_bound_mm", or_null(scan.tip_bound_mm)},
            {"weak_stretches", scan.weak_stretches},
            {"scan_s", or_null(scan.scan_s)},
            {"line_s", or_null(scan.line_s)},

@@ -69,7 +69,7 @@ Result<std::string> history_csv(const Memory& memory, ScanFilter filter, const C
       "length_mm", "confidence",   "u95_mm",   "weak_stretches",    "scan_s",  "line_s",
       "cycle_s",   "process",      "decision", "decided_by",        "sent",    "followed",
       "operator",  "line_version", "reason",   "local_time",        "day",     "part",
-      "foot",      "size",         "ended_by"};
+      "foot",      "size",         "ended_by", "tip_bound_mm"};
   const Cells cell{style};
   std::string csv = style.byte_mark ? "\xEF\xBB\xBF" : "";
   for (std::size_t i = 0; i < k_columns.size(); ++i) {
@@ -108,7 +108,8 @@ Result<std::string> history_csv(const Memory& memory, ScanFilter filter, const C
                                                             cell.of(scan.part),
                                                             cell.of(scan.foot),
                                                             cell.of(scan.size),
-                                                            report::name_of(ended_by(scan))};
+                                                            report::name_of(ended_by(scan)),
+                                                            cell.of(scan.tip_bound_mm)};
       for (std::size_t i = 0; i < cells.size(); ++i) {
         if (i > 0) csv += style.separator;
         csv += cells[i];

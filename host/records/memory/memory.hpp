@@ -41,6 +41,7 @@ struct Scan {
   std::string reason;                                         ///< in words
   std::string next_step;                                      ///< what the person does next
   std::optional<double> length_mm{}, confidence{}, u95_mm{};  ///< u95: the line's largest
+  std::optional<double> tip_bound_mm{};  ///< of the tool off the line, as its path was planned
   int weak_stretches{0};
   std::optional<double> scan_s{}, line_s{}, cycle_s{};
   std::string operator_name;  ///< who held control

@@ -15,7 +15,7 @@ constexpr const char* k_scan_columns =
     "id, name, time, model, model_probability, verdict, reason_code, length_mm, confidence, u95_mm, "
     "weak_stretches, scan_s, line_s, cycle_s, operator, process, decision, decided_by, decided_at, sent, "
     "followed, "
-    "line_version, marked, reason, next_step, why, part, foot, size";
+    "line_version, marked, reason, next_step, why, part, foot, size, tip_bound_mm";
 constexpr const char* k_scan_tables = " FROM scans LEFT JOIN scan_texts ON scan = id";
 
 Scan scan_of(const Statement& row) {
@@ -48,6 +48,7 @@ Scan scan_of(const Statement& row) {
   scan.part = row.text(26);
   scan.foot = row.text(27);
   scan.size = row.text(28);
+  scan.tip_bound_mm = row.number_if(29);
   return scan;
 }
 
@@ -55,8 +56,8 @@ Scan scan_of(const Statement& row) {
 constexpr const char* k_put_scan = R"sql(
 INSERT INTO scans (name, time, model, model_probability, verdict, reason_code, length_mm, confidence, u95_mm,
   weak_stretches, scan_s, line_s, cycle_s, operator, process, decision, decided_by, decided_at, sent, followed,
-  line_version, marked, part, foot, size)
-VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)
+  line_version, marked, part, foot, size, tip_bound_mm)
+VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)
 ON CONFLICT (name) DO UPDATE SET time = excluded.time, model = excluded.model,
   model_probability = excluded.model_probability, verdict = excluded.verdict, reason_code = excluded.reason_code,
   length_mm = excluded.length_mm, confidence = excluded.confidence, u95_mm = excluded.u95_mm,
@@ -64,7 +65,8 @@ ON CONFLICT (name) DO UPDATE SET time = excluded.time, model = excluded.model,
   cycle_s = excluded.cycle_s, operator = excluded.operator, process = excluded.process,
   decision = excluded.decision, decided_by = excluded.decided_by, decided_at = excluded.decided_at,
   sent = excluded.sent, followed = excluded.followed, line_version = excluded.line_version,
-  part = excluded.part, foot = excluded.foot, size = excluded.size
+  part = excluded.part, foot = excluded.foot, size = excluded.size,
+  tip_bound_mm = excluded.tip_bound_mm
 )sql";
 
 Result<std::int64_t> id_of(Database& database, const std::string& name) {
@@ -102,7 +104,7 @@ Result<void> Memory::put_scan(const Scan& scan, const LogRow& event, const std::
       put.bind_null();
     }
     put.bind(scan.line_version).bind(scan.marked ? 1 : 0);
-    put.bind(scan.part).bind(scan.foot).bind(scan.size);
+    put.bind(scan.part).bind(scan.foot).bind(scan.size).bind(scan.tip_bound_mm);
     BITELINE_TRY(put.run());
     BITELINE_ASSIGN(const std::int64_t id, id_of(*database_, scan.name));
     BITELINE_ASSIGN(Statement texts,
@@ -137,8 +139,8 @@ Result<std::optional<Scan>> Memory::scan(const std::string& name) const {
   BITELINE_ASSIGN(const bool found, row.step());
   if (!found) return std::optional<Scan>{};
   Scan scan = scan_of(row);
-  scan.versions = row.text(29);
-  scan.details = row.text(30);
+  scan.versions = row.text(30);
+  scan.details = row.text(31);
   return std::optional<Scan>{std::move(scan)};
 }
 

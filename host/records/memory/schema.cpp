@@ -158,6 +158,10 @@ CREATE TABLE teaching_deeds (
 ) STRICT;
 CREATE INDEX scans_held ON scans (id) WHERE decision = 'held';
 )sql",
+    // How far the tool's tip may have been off the line.
+    R"sql(
+ALTER TABLE scans ADD COLUMN tip_bound_mm REAL;
+)sql",
 };
 
 Result<int> version_of(Database& database) {

@@ -102,7 +102,10 @@ Taught taught(const Record& before, const Hand& hand) {
 
 path::Mounted Record::mounted() const {
   path::Mounted out;
-  if (tip) out.tip_flange = tip->tip_flange;
+  if (tip) {
+    out.tip_flange = tip->tip_flange;
+    out.tip_u95_mm = tip->how.u95_mm;
+  }
   if (payload) out.payload = payload->payload;
   if (table) out.table_z_mm = table->z_mm;
   return out;

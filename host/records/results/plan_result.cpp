@@ -12,6 +12,7 @@
 #include "host/robot/path/certainty.hpp"
 #include "host/robot/path/checks/program_check.hpp"
 #include "host/robot/path/path_file.hpp"
+#include "host/robot/path/tip_bound.hpp"
 
 namespace biteline::results {
 namespace {
@@ -50,14 +51,27 @@ ordered_json number_or_null(const std::optional<double>& value) {
 }
 
 /// Along the path: how certain it is, and where not certain enough to be sent.
-ordered_json as_json(const path::Certainty& certainty, const std::optional<double>& tolerance_mm) {
+ordered_json as_json(const path::Certainty& certainty, const path::GateLimits& limits) {
   ordered_json out{{"u95_max_mm", number_or_null(certainty.u95_mm)},
                    {"at_mm", certainty.at_mm},
-                   {"tolerance_mm", number_or_null(tolerance_mm)},
+                   {"tolerance_mm", number_or_null(limits.tolerance_mm)},
                    {"places", ordered_json::array()}};
   for (const path::UncertainPlace& place : certainty.places)
     out["places"].push_back(
         {{"from_mm", place.from_mm}, {"to_mm", place.to_mm}, {"u95_mm", number_or_null(place.u95_mm)}});
+  return out;
+}
+
+/// Of the tool's true tip off the true line: what is known of it before it is sent.
+ordered_json as_json(const path::TipParts& parts, const kinematics::ArmModel& arm,
+                     const std::optional<double>& tolerance_mm) {
+  ordered_json out{{"bound_mm", number_or_null(path::tip_bound_mm(parts))},
+                   {"give_mm", parts.give_mm},
+                   {"natural_hz", arm.give.natural_hz.minCoeff()},
+                   {"natural_hz_measured", arm.give.measured},
+                   {"tip_u95_mm", parts.tip_u95_mm},
+                   {"tolerance_mm", number_or_null(tolerance_mm)}};
+  if (tolerance_mm) out["risk_beyond"] = number_or_null(path::risk_beyond(parts, *tolerance_mm));
   return out;
 }
 
@@ -79,7 +93,10 @@ void fill_report(report::Report& report, const path::PlanRequest& request, const
                                      {"to_mm", outcome.path->path().waypoints[run.last].arc_mm}});
     }
     fields["duration_s"] = outcome.path->duration_s();
-    fields["uncertainty"] = as_json(certainty(request, outcome), request.process.gate.tolerance_mm);
+    const path::Certainty certain = certainty(request, outcome);
+    fields["uncertainty"] = as_json(certain, request.process.gate);
+    fields["tip"] = as_json(path::parts_of(outcome.path->path(), certain.u95_mm), request.arm,
+                            request.process.gate.tip_tolerance_mm);
     return;
   }
   report.refuse(*outcome.refusal);

@@ -49,6 +49,9 @@ constexpr std::array k_rows{
 // The makers publish none; 5 rad/s^2 is what the controllers of both series follow with a full payload.
 constexpr double k_acceleration_rad_s2 = 5;
 
+// No maker tells one, either.  Arms of this kind swing at 8 to 20 Hz.
+constexpr double k_assumed_hz = 8;
+
 JointLimits limits_of(const Row& row) {
   JointLimits limits;
   // Every joint turns twice, but the elbow's links meet near pi.
@@ -81,6 +84,13 @@ std::array<SE3, k_joints> nominal_frames(const DhLengths& lengths) {
           frame({0, -lengths.d5_mm, 0}, quarter), frame({0, lengths.d6_mm, 0}, -quarter)};
 }
 
+JointGive joint_give(double softest_hz, bool measured) {
+  JointGive give{.natural_hz = {}, .measured = measured};
+  give.natural_hz << 1.1, 1.0, 1.3, 1.8, 2.2, 2.5;
+  give.natural_hz *= softest_hz;
+  return give;
+}
+
 Result<ArmModel> arm_model(std::string_view name) {
   for (const Row& row : k_rows) {
     if (!same_word(row.name, name)) continue;
@@ -89,7 +99,8 @@ Result<ArmModel> arm_model(std::string_view name) {
                     .T_fixed = nominal_frames(row.lengths),
                     .calibrated = false,
                     .limits = limits_of(row),
-                    .shape = row.shape};
+                    .shape = row.shape,
+                    .give = joint_give(k_assumed_hz, false)};
   }
   std::string known;
   for (const Row& row : k_rows) known += std::string{known.empty() ? "" : ", "} + row.name;

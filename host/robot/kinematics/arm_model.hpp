@@ -42,6 +42,13 @@ struct JointLimits {
   Joints acceleration_rad_s2;
 };
 
+/// How the joints give: links hang on their drives by springs.
+struct JointGive {
+  Joints natural_hz;           ///< of each joint, with what it carries
+  double damping_ratio{0.05};  ///< a shaken arm is at rest again after a dozen swings
+  bool measured{false};        ///< on this arm; else assumed
+};
+
 struct ArmModel {
   std::string name;
   DhLengths nominal;
@@ -51,7 +58,11 @@ struct ArmModel {
   bool calibrated{false};
   JointLimits limits;
   LinkShape shape;
+  JointGive give;
 };
+
+/// Of a softest joint that has `softest_hz`: the shoulder carries most, the last wrist the tool alone.
+[[nodiscard]] JointGive joint_give(double softest_hz, bool measured);
 
 /// UR3e UR5e UR10e UR3 UR5 UR10, upper or lower case.
 [[nodiscard]] Result<ArmModel> arm_model(std::string_view name);

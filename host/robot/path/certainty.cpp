@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "host/robot/path/tip_bound.hpp"
+
 namespace biteline::path {
 
 Certainty certainty_of(const PlannedPath& path, const std::optional<double>& tolerance_mm) {
@@ -34,6 +36,7 @@ Certainty certainty_of(const PlannedPath& path, const std::optional<double>& tol
     within = true;
   }
   if (!known) out.u95_mm.reset();
+  out.tip_bound_mm = tip_bound_mm(parts_of(path, out.u95_mm));
   return out;
 }
 

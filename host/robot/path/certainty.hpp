@@ -16,11 +16,14 @@ struct UncertainPlace {
   std::optional<double> u95_mm{};  ///< the largest; none: somewhere not known
 };
 
+/// Of the path as it is planned, and the tool that works along it.
 struct Certainty {
   std::optional<double>
       u95_mm{};     ///< the largest along the whole processed length; none: somewhere not known
   double at_mm{0};  ///< where, along the path
   std::vector<UncertainPlace> places{};  ///< in order; none without a tolerance
+  /// Of the tool's true tip from the true line along all that is worked; none: U95 is not known.
+  std::optional<double> tip_bound_mm{};
 };
 
 /// Of the waypoints on the line, the overlap among them.

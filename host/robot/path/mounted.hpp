@@ -13,6 +13,7 @@ namespace biteline::path {
 /// What was not taught is not checked.
 struct Mounted {
   std::optional<Vec3> tip_flange{};  ///< mm
+  double tip_u95_mm{0};              ///< of a tip that was touched
   std::optional<Payload> payload{};
   std::optional<double> table_z_mm{};  ///< in the robot's base
 };

@@ -11,6 +11,7 @@
 #include "host/robot/path/checks/sight.hpp"
 #include "host/robot/path/checks/way_there.hpp"
 #include "host/robot/path/entry.hpp"
+#include "host/robot/path/tip_bound.hpp"
 #include "host/robot/path/zones.hpp"
 
 namespace biteline::path {
@@ -142,6 +143,7 @@ PlannedPath assembled(const PlanRequest& request, const ToolPath& path, const Jo
                   .motion = request.process.motion,
                   .digital_output = request.process.digital_output,
                   .tool_off = request.tool_off,
+                  .tip_u95_mm = request.mounted.tip_u95_mm,
                   .waypoints = {}};
   out.motion.spacing_mm = path.spacing_mm;
   for (std::size_t i = 0; i < path.points.size(); ++i) {
@@ -156,7 +158,10 @@ PlannedPath assembled(const PlanRequest& request, const ToolPath& path, const Jo
          .line_base = p.line_base,
          .u95_mm = p.u95_mm,
          .speed_ratio = p.speed_ratio});
+    if (!timing.acceleration_mm_s2.empty())
+      out.waypoints.back().acceleration_mm_s2 = timing.acceleration_mm_s2[i];
   }
+  out.give_mm = largest_give_mm(out, request.arm);
   return out;
 }
 

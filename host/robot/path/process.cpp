@@ -72,6 +72,8 @@ Motion read_motion(YamlReader reader) {
                                                 {.minimum = 1, .maximum = 10000});
   m.joint_speed_ratio =
       reader.number_or("joint_speed_ratio", d.joint_speed_ratio, {.minimum = 0.01, .maximum = 1});
+  const double give_mm = reader.number_or("give_mm", 0, {.minimum = 0, .maximum = 10});
+  if (give_mm > 0) m.give_mm = give_mm;
   m.spacing_mm = reader.number_or("spacing_mm", d.spacing_mm, {.minimum = 0.5, .maximum = 10});
   m.blend_mm = reader.number_or("blend_mm", d.blend_mm, {.minimum = k_least_blend_mm, .maximum = 5});
   m.chord_error_mm = reader.number_or("chord_error_mm", d.chord_error_mm, {.minimum = 0.01, .maximum = 5});
@@ -118,6 +120,8 @@ GateLimits read_gate(YamlReader reader) {
   if (approval == "automatic") gate.automatic_above = above;
   const double tolerance_mm = reader.number_or("tolerance_mm", 0, {.minimum = 0, .maximum = 20});
   if (tolerance_mm > 0) gate.tolerance_mm = tolerance_mm;
+  const double tip_tolerance_mm = reader.number_or("tip_tolerance_mm", 0, {.minimum = 0, .maximum = 20});
+  if (tip_tolerance_mm > 0) gate.tip_tolerance_mm = tip_tolerance_mm;
   return gate;
 }
 

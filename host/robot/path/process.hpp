@@ -68,6 +68,7 @@ struct Motion {
   double acceleration_mm_s2{500};  ///< along the path
   double cross_acceleration_mm_s2{500};  ///< in curves: limits the speed to sqrt(a / curvature)
   double joint_speed_ratio{0.5};         ///< of the arm's own limits
+  std::optional<double> give_mm{};       ///< of the arm, across the line; none: not looked at
   double spacing_mm{2};                  ///< of the program's targets; grows where the blends need it
   double blend_mm{1};                    ///< radius round a target; at least k_least_blend_mm
   double chord_error_mm{0.2};            ///< how far straight moves and blends may leave the tip's way
@@ -102,6 +103,7 @@ struct GateLimits {
   bool approval{false};  ///< somebody must have said yes to this scan: a person, or `automatic_above`
   std::optional<double> automatic_above{};  ///< a line at least as sure as this is approved by itself
   std::optional<double> tolerance_mm{};  ///< of the line's uncertainty (U95), where the process asks for one
+  std::optional<double> tip_tolerance_mm{};  ///< of the tip's bound (tip_bound.hpp), likewise
 };
 
 /// Where the closed line is entered.

@@ -11,6 +11,8 @@ namespace biteline::path {
 struct Timing {
   std::vector<double> speed_mm_s;  ///< of the tip, 0 where it stops
   std::vector<double> time_s;
+  /// Of the move to each point; empty: the process's, and the controller makes its ramps as it likes.
+  std::vector<double> acceleration_mm_s2{};
 };
 
 /// The fastest speeds within the process's and the joints' limits: per point by curvature and joint speed,

@@ -7,8 +7,9 @@
 // Drawn, and not run: the calibrated camera, laser plane and clock (as calibrations of made heads state
 // them), what its maker's calibration leaves of an arm's links, a hand's touch.
 //
-// A shoe takes some 10 s of a core, one with a budget some 25 s.  --rows: one for each shoe, process and
-// variant, with the largest U95 that was stated before and the largest distance that came of it.
+// A shoe takes some 10 s of a core, half of it with --own alone, one with a budget some 25 s.  --rows: one
+// for each shoe, process and variant, with the bound that was stated before, its parts, and the largest
+// distance that came of it.  bound_factor.py makes the bound's factor of them.
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -28,6 +29,7 @@ struct Options {
   std::uint64_t shoes{3}, seed{1}, from{0}, budget{1};
   double speed_mm_s{250}, rate_hz{100}, work_speed_ratio{1}, minutes{0};
   std::string shoe_class{}, rows{}, along{};
+  bool own{false};
 };
 
 /// All that have a line, one after the other.
@@ -85,8 +87,10 @@ class TipBench {
     if (!options.along.empty()) along_.reset(std::fopen(options.along.c_str(), "w"));
     if (along_) std::fprintf(along_.get(), "shoe,process,variant,off_mm\n");
     if (file_)
-      std::fprintf(file_.get(),
-                   "shoe,class,speed_mm_s,table,variant,process,u95_mm,p95_mm,max_mm,waits,refused\n");
+      std::fprintf(
+          file_.get(),
+          "shoe,class,speed_mm_s,table,variant,process,line_u95_mm,give_mm,tip_u95_mm,sum_mm,bound_mm,"
+          "line_s,p95_mm,max_mm,waits,refused\n");
   }
 
   Result<void> run() {
@@ -130,7 +134,9 @@ class TipBench {
                                                    .speed_mm_s = options_.speed_mm_s,
                                                    .rate_hz = options_.rate_hz}));
     const Pictures lit = pictures_of(scan, true);
-    for (const TableRow& row : rows_of_all()) BITELINE_TRY(add(shoe, scan, lit, row));
+    for (const TableRow& row : rows_of_all()) {
+      if (row.variant.reckoning == Reckoning::Own || !options_.own) BITELINE_TRY(add(shoe, scan, lit, row));
+    }
     if (!budget) return {};
     const Pictures plain = pictures_of(scan, false);
     for (const TableRow& row : rows_of_budget())
@@ -161,12 +167,14 @@ class TipBench {
     }
     if (!file_) return;
     std::vector<double> off_mm = worked.off_mm;
-    std::fprintf(file_.get(), "%llu,%s,%g,%s,\"%s\",%s,%.4f,%.4f,%.4f,%d,\"%s\"\n",
-                 static_cast<unsigned long long>(shoe.index), shoe.class_name().c_str(), options_.speed_mm_s,
-                 row.table.c_str(), row.variant.name.c_str(), process.c_str(), worked.u95_mm.value_or(-1),
-                 off_mm.empty() ? -1 : geometry::quantile_of(std::span<double>{off_mm}, 0.95),
-                 off_mm.empty() ? -1 : std::ranges::max(worked.off_mm), worked.waits ? 1 : 0,
-                 worked.refused.c_str());
+    std::fprintf(
+        file_.get(), "%llu,%s,%g,%s,\"%s\",%s,%.4f,%.4f,%.4f,%.4f,%.4f,%.2f,%.4f,%.4f,%d,\"%s\"\n",
+        static_cast<unsigned long long>(shoe.index), shoe.class_name().c_str(), options_.speed_mm_s,
+        row.table.c_str(), row.variant.name.c_str(), process.c_str(), worked.parts.line_u95_mm.value_or(-1),
+        worked.parts.give_mm, worked.parts.tip_u95_mm, path::tip_sum_mm(worked.parts).value_or(-1),
+        path::tip_bound_mm(worked.parts).value_or(-1), worked.planned_s,
+        off_mm.empty() ? -1 : geometry::quantile_of(std::span<double>{off_mm}, 0.95),
+        off_mm.empty() ? -1 : std::ranges::max(worked.off_mm), worked.waits ? 1 : 0, worked.refused.c_str());
     std::fflush(file_.get());
   }
 
@@ -195,6 +203,7 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   command.add_option("--budget", asked.budget, "so many of them with each source alone and left out")
       ->capture_default_str();
+  command.add_flag("--own", asked.own, "leave the arm out whose links nobody measured");
   command.add_option("--minutes", asked.minutes, "after so many no shoe is begun any more; 0: all are made");
   command.add_option("--rows", asked.rows, "a row for each shoe, process and variant goes there");
   command.add_option("--along", asked.along, "every distance, half a millimetre apart, goes there");

@@ -198,6 +198,7 @@ Result<TaughtTip> teach_tip(const TipCell& cell, const Variant& variant, const p
   if (variant.reckoning == Reckoning::Nominal) limits = {.max_rms_mm = 10, .max_sigma_mm = 10};
   BITELINE_ASSIGN(const kinematics::ToolTouch touch, kinematics::fit_tool_touch(told, limits));
   tip.taught_flange = touch.tip_flange;
+  tip.u95_mm = touch.u95_mm;
   return tip;
 }
 

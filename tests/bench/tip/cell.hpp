@@ -64,6 +64,7 @@ struct Variant {
 /// The tool's tip in the flange, as taught by eight touches of one point and as it is.
 struct TaughtTip {
   Vec3 taught_flange, true_flange;
+  double u95_mm{0};  ///< as the touches say
 };
 [[nodiscard]] Result<TaughtTip> teach_tip(const TipCell& cell, const Variant& variant,
                                           const path::Tool& tool);

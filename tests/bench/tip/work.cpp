@@ -8,6 +8,7 @@
 #include "hal/sim/robot/program.hpp"
 #include "host/robot/link/ur/script.hpp"
 #include "host/robot/path/certainty.hpp"
+#include "host/robot/path/checks/program_check.hpp"
 #include "host/robot/path/place.hpp"
 #include "host/robot/path/plan.hpp"
 #include "tests/support/line_distance.hpp"
@@ -69,6 +70,14 @@ std::vector<double> off_line_mm(const path::PlannedPath& path, const std::vector
   return off_mm;
 }
 
+/// Of the plan, along what is worked.
+double line_s(const path::PlannedPath& path) {
+  double sum_s = 0;
+  for (const path::PathRun& run : path::runs_of(path, path::Segment::Line))
+    sum_s += path.waypoints[run.last].time_s - path.waypoints[run.first].time_s;
+  return sum_s;
+}
+
 std::vector<Vec3> true_line_base(const sim::MadeScene& scene) {
   std::vector<Vec3> line;
   for (const sim::TrueLinePoint& p : scene.line) line.push_back(scene.T_base_shoe * p.point_shoe);
@@ -83,11 +92,11 @@ Result<Worked> work(const TipScan& scan, const HostScan& host, const path::Proce
   BITELINE_ASSIGN(const TaughtTip tip, teach_tip(scan.cell, variant, process.tool));
   path::Process taught = process;
   taught.tool.T_flange_tcp.translation() = tip.taught_flange;
-  BITELINE_ASSIGN(kinematics::ArmModel arm, scan.cell.arm.planned(variant.reckoning));
+  BITELINE_ASSIGN(const kinematics::ArmModel planned_arm, scan.cell.arm.planned(variant.reckoning));
   const path::PlanOutcome planned = path::plan(
       {.line = host.found.line,
        .process = taught,
-       .arm = std::move(arm),
+       .arm = planned_arm,
        .table_z_mm = 0,
        .fixture = path::Fixture{.top_z_mm = scene.T_base_shoe.translation().z(),
                                 .beyond_mm = sim::plate_beyond_line_mm(scene.shoe.outline(), scene.line)},
@@ -107,7 +116,10 @@ Result<Worked> work(const TipScan& scan, const HostScan& host, const path::Proce
   const path::Certainty certainty = path::certainty_of(path, process.gate.tolerance_mm);
   return Worked{
       .off_mm = off_line_mm(path, true_tips(scan, program, T_flange_tip, variant), true_line_base(scene)),
-      .u95_mm = certainty.u95_mm,
+      .parts = {.line_u95_mm = certainty.u95_mm,
+                .give_mm = path::largest_give_mm(path, planned_arm),
+                .tip_u95_mm = tip.u95_mm},
+      .planned_s = line_s(path),
       .waits = !certainty.places.empty()};
 }
 

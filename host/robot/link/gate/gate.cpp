@@ -113,6 +113,19 @@ void add_scan_rows(const GateInputs& inputs, std::vector<GateRow>& rows) {
             worst <= static_cast<std::uint64_t>(inputs.limits.lost_in_a_row))});
 }
 
+/// Older files know nothing of it.
+void add_tip_row(const GateInputs& inputs, std::vector<GateRow>& rows) {
+  const std::optional<double>&bound_mm = inputs.result.tip_bound_mm,
+        &most_mm = inputs.limits.tip_tolerance_mm;
+  if (!bound_mm && !most_mm) return;
+  const bool near = bound_mm && (!most_mm || (*bound_mm >= 0 && *bound_mm <= *most_mm));
+  const State unknown = inputs.scan.confirmed ? State::NotKnown : State::Failed;
+  rows.push_back({Refused::TipTooFar, "tool's tip off the line",
+                  bound_mm ? text("%.2f mm at most, in 95 of 100 shoes", *bound_mm) : "not known",
+                  most_mm ? text("%.2f mm; not known: confirmed by a person", *most_mm) : "none asked for",
+                  bound_mm ? when(near) : unknown});
+}
+
 void add_result_rows(const GateInputs& inputs, std::vector<GateRow>& rows) {
   const ResultFacts& result = inputs.result;
   const auto yes = [](bool value) { return value ? "passed" : "not passed"; };
@@ -132,6 +145,7 @@ void add_result_rows(const GateInputs& inputs, std::vector<GateRow>& rows) {
        result.u95_mm ? text("%.2f mm at most", *result.u95_mm) : "not known",
        tolerance_mm ? text("%.2f mm; not known: confirmed by a person", *tolerance_mm) : "none asked for",
        result.u95_mm ? when(certain) : unknown});
+  add_tip_row(inputs, rows);
   // Who confirms a scan by name has looked at it.
   std::optional<bool> approved = result.approved;
   if (!approved && inputs.scan.confirmed) approved = true;

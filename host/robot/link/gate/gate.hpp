@@ -62,9 +62,11 @@ struct ScanFacts {
 struct ResultFacts {
   bool line_passed{false};
   bool path_passed{false};
-  double way_clearance_mm{0};                ///< of the way to the path's beginning
-  std::optional<double> u95_mm{};            ///< the largest along the processed path
-  std::optional<bool> approved{};            ///< the verdict on this result; nothing: nobody has said a word
+  double way_clearance_mm{0};      ///< of the way to the path's beginning
+  std::optional<double> u95_mm{};  ///< the largest along the processed path
+  std::optional<double>
+      tip_bound_mm{};              ///< of the tip off the line, likewise; nothing: as U95, or an older file
+  std::optional<bool> approved{};  ///< the verdict on this result; nothing: nobody has said a word
   std::optional<std::string> approved_by{};  ///< whose verdict, when; or "automatic" with its figures
   double tool_off_mm{0}, tool_off_rad{0};    ///< the path's tool from the process's
   std::optional<bool> same_payload{};        ///< of path and process; nothing: the process tells none

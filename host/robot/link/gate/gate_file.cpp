@@ -54,6 +54,7 @@ void visit(const Visit& v, ResultFacts& result) {
   v("tool_off_mm", result.tool_off_mm);
   v("tool_off_rad", result.tool_off_rad);
   v("same_payload", result.same_payload);
+  v.since("tip_bound_mm", result.tip_bound_mm);
   v.since("tip_from_taught_mm", result.tip_from_taught_mm);
   v.since("payload_as_taught", result.payload_as_taught);
   v.since("table_from_taught_mm", result.table_from_taught_mm);
@@ -93,6 +94,7 @@ void visit(const Visit& v, path::GateLimits& limits) {
   v("approval", limits.approval);
   v("automatic_above", limits.automatic_above);
   v("tolerance_mm", limits.tolerance_mm);
+  v.since("tip_tolerance_mm", limits.tip_tolerance_mm);
 }
 
 struct Writer {

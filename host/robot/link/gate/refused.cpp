@@ -24,6 +24,7 @@ std::span<const report::RefusalRow<Refused>> refusal_table(Refused) {
       Row{Refused::LineNotPassed, "line_not_passed", "see the scan's report.json"},
       Row{Refused::PathNotPassed, "path_not_passed", "see the path's report.json"},
       Row{Refused::TooUncertain, "too_uncertain", "scan again, or ask the process for less"},
+      Row{Refused::TipTooFar, "tip_too_far", "teach the tip again, scan again, or let the arm give less"},
       Row{Refused::NotApproved, "not_approved", "look at the result, then --confirm the scan"},
       Row{Refused::NotAsTaught, "not_as_taught", "teach what is mounted, or mount the process's tool"},
       Row{Refused::FilesChanged, "files_changed",

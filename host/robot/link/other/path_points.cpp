@@ -64,7 +64,8 @@ class Maker {
     point.T_base_tcp = path_.waypoints[waypoint].T_base_tcp;
     point.q_rad = path_.waypoints[waypoint].q_rad;
     point.speed = std::max(speed_mm_s, k_least_speed_mm_s);
-    point.acceleration = path_.motion.acceleration_mm_s2;
+    point.acceleration =
+        path_.waypoints[waypoint].acceleration_mm_s2.value_or(path_.motion.acceleration_mm_s2);
     point.blend_mm = blend_mm;
   }
 

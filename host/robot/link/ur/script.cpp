@@ -32,7 +32,7 @@ Line pose_text(const SE3& T) {
 Line move_text(const char* command, const Waypoint& to, const PlannedPath& path, double speed_mm_s,
                double blend_mm) {
   return Line::format("  %s(%s, a=%.4f, v=%.6f, r=%.5f)\n", command, pose_text(to.T_base_tcp).c_str(),
-                      path.motion.acceleration_mm_s2 / k_mm_per_m,
+                      to.acceleration_mm_s2.value_or(path.motion.acceleration_mm_s2) / k_mm_per_m,
                       std::max(speed_mm_s, k_least_speed_mm_s) / k_mm_per_m, blend_mm / k_mm_per_m);
 }
 

@@ -23,7 +23,8 @@ struct Waypoint {
   /// Radius about the tip, in the plane across its way, that holds with 95 % where it ought to be; only on
   /// the line; none: not known.
   std::optional<double> u95_mm{};
-  double speed_ratio{1};  ///< the tip's, of the process's speed along the line
+  double speed_ratio{1};                       ///< the tip's, of the process's speed along the line
+  std::optional<double> acceleration_mm_s2{};  ///< of the move to it; none: the process's
 };
 
 struct PlannedPath {
@@ -36,6 +37,8 @@ struct PlannedPath {
   bool tool_off{false};                       ///< the output is switched off where it would be switched on
   std::vector<kinematics::Joints> via_rad{};  ///< postures on the arm's way to the first waypoint (way_there)
   std::optional<double> way_there_rad_s{};    ///< of the joints on it; none: the process's
+  double give_mm{0};                          ///< the arm's largest, on the line and across it (give.hpp)
+  double tip_u95_mm{0};                       ///< of the taught tip; 0: none was taught
   std::vector<Waypoint> waypoints;
 };
 

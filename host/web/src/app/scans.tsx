@@ -273,6 +273,7 @@ export function OneScan({ id }: { id: string }): JSX.Element {
               [t('length'), amount(scan.length_mm, 'mm', 1)],
               [t('colour_confidence'), number(scan.confidence, 2)],
               [t('u95_line'), amount(scan.u95_mm, 'mm', 2)],
+              [t('tip_bound'), amount(scan.tip_bound_mm, 'mm', 2)],
               [
                 t('followed'),
                 scan.followed === true

@@ -313,8 +313,9 @@ TEST(Memory, ShoesOfBeforeTheOutboxAreInItOnce) {
     SUCCEEDS(database->execute(
         "DROP TABLE outbox; DROP TABLE scan_evidence; DELETE FROM settings WHERE key = "
         "'outbox'; DROP INDEX scans_part; ALTER TABLE scans DROP COLUMN part; ALTER TABLE "
-        "scans DROP COLUMN foot; ALTER TABLE scans DROP COLUMN size; DROP TABLE teaching_scans; DROP "
-        "TABLE teaching_deeds; DROP TABLE teachings; DROP INDEX scans_held; PRAGMA user_version = 1"));
+        "scans DROP COLUMN foot; ALTER TABLE scans DROP COLUMN size; ALTER TABLE scans DROP COLUMN "
+        "tip_bound_mm; DROP TABLE teaching_scans; DROP TABLE teaching_deeds; DROP TABLE teachings; DROP "
+        "INDEX scans_held; PRAGMA user_version = 1"));
   }
   CHECK(!Outbox::open(file));
   Memory memory = opened();

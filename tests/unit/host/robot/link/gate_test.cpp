@@ -111,6 +111,13 @@ const std::vector<Change>& bad_changes() {
        Refused::TooUncertain},
       {"U95 not known", [](GateInputs& in) { in.limits.tolerance_mm = 0.3, in.result.u95_mm.reset(); },
        Refused::TooUncertain},
+      {"tip too far off",
+       [](GateInputs& in) { in.limits.tip_tolerance_mm = 0.5, in.result.tip_bound_mm = 0.51; },
+       Refused::TipTooFar},
+      {"tip's bound NaN",
+       [](GateInputs& in) { in.limits.tip_tolerance_mm = 0.5, in.result.tip_bound_mm = k_nan; },
+       Refused::TipTooFar},
+      {"tip's bound not known", [](GateInputs& in) { in.limits.tip_tolerance_mm = 0.5; }, Refused::TipTooFar},
       {"approval refused", [](GateInputs& in) { in.result.approved = false; }, Refused::NotApproved},
       {"approval refused, scan confirmed",
        [](GateInputs& in) {
@@ -279,7 +286,8 @@ TEST(Gate, PersonVouchesForARecoveredScanAndForNothingElse) {
         change.refused == Refused::ScanNotSeen || change.refused == Refused::ScanTooOld ||
         change.refused == Refused::OtherConnection || change.refused == Refused::PicturesNotVouched;
     const std::string name = change.name;
-    const bool vouched = about_the_scan || name.starts_with("approval asked for") || name == "U95 not known";
+    const bool vouched = about_the_scan || name.starts_with("approval asked for") ||
+                         name == "U95 not known" || name == "tip's bound not known";
     GateInputs worse = inputs;
     change.make(worse);
     CHECK_EQUAL_TEXT(vouched, opens(worse), change.name);

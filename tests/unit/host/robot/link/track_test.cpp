@@ -44,20 +44,23 @@ TEST(Track, EachPartsTimeIsThatOfThePlan) {
   T_before.pretranslate(Vec3{0, 0, 100});
   for (double time_s = 0; time_s < k_way_there_s; time_s += 0.1)
     samples.push_back({.time_s = time_s, .T_base_tcp = T_before});
-  double begin_s = -1, end_s = 0;
+  double begin_s = -1, come_on_s = -1, end_s = 0;
   for (const Waypoint& w : path.waypoints) {
     samples.push_back({.time_s = k_way_there_s + w.time_s, .T_base_tcp = w.T_base_tcp});
     if (w.segment != Segment::Line) continue;
+    if (begin_s >= 0 && come_on_s < 0) come_on_s = w.time_s;
     if (begin_s < 0) begin_s = w.time_s;
     end_s = w.time_s;
   }
   // As it stands at the end until the program is over.
   samples.push_back({.time_s = samples.back().time_s + 3, .T_base_tcp = samples.back().T_base_tcp});
   const PartTimes parts = deviation(path, samples).parts;
+  // On the line is a tip that has come on along it, and each waypoint is a sample.
   constexpr double k_sample_s = 0.1;
+  const double on_line_s = k_sample_s + come_on_s - begin_s;
   DOUBLES_EQUAL(k_way_there_s, parts.way_there_s, k_sample_s);
-  DOUBLES_EQUAL(begin_s, parts.approach_s, k_sample_s);
-  DOUBLES_EQUAL(end_s - begin_s, parts.line_s, 2 * k_sample_s);
+  DOUBLES_EQUAL(begin_s, parts.approach_s, on_line_s);
+  DOUBLES_EQUAL(end_s - begin_s, parts.line_s, k_sample_s + on_line_s);
   DOUBLES_EQUAL(path.waypoints.back().time_s - end_s, parts.retreat_s, 2 * k_sample_s);
 }
 
