@@ -45,13 +45,13 @@ TEST(EndedBy, EachReasonOfEachModuleIsSomebodys) {
   all(robot::Halt::OffPath, EndedBy::Machine, {"stopped_by_a_person", "local_control"});
   all(robot::Refused::ScanTooOld, EndedBy::Machine,
       {"stopped_by_a_person", "not_approved", "shoe_moved", "other_shoe", "line_not_passed",
-       "path_not_passed", "too_uncertain"});
+       "path_not_passed", "too_uncertain", "tip_too_far"});
   all(bite_line::Refused{}, EndedBy::Shoe);
   all(transfer::Refused{}, EndedBy::Shoe);
   all(path::Refused{}, EndedBy::Shoe, {"not_as_taught"});
   all(service::Refused::ModelUnknown, EndedBy::Shoe,
       {"rerun_failed", "calibration_drifted", "other_process", "line_off_mended", "part_worked_before"});
-  for (const char* code : {"line_not_passed", "path_not_passed", "too_uncertain"})
+  for (const char* code : {"line_not_passed", "path_not_passed", "too_uncertain", "tip_too_far"})
     CHECK_TEXT(ended_by(code) == EndedBy::Shoe, code);
   for (const char* code :
        {"stopped_by_a_person", "local_control", "not_approved", "shoe_moved", "other_shoe"})
