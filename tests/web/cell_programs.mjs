@@ -166,7 +166,7 @@ export async function start_cell({ add_to_gate, host_more = [], shoe: [kind, see
   const control = `tcp://127.0.0.1:${await free_port()}`;
   const process_file = join(out, 'process.yaml');
   const rough = readFileSync(join(source, 'host/robot/path/processes/rough.yaml'), 'utf8');
-  check(/\ngate:\n[^\n]*\n$/.test(rough), 'rough.yaml no longer ends with its gate');
+  check(/\ngate:\n(  [^\n]*\n)+$/.test(rough), 'rough.yaml no longer ends with its gate');
   writeFileSync(process_file, rough + add_to_gate);
   const jobs = join(out, 'jobs.yaml');
   writeFileSync(jobs, 'jobs:\n  1: {}\n');
