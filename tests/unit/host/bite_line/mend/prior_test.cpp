@@ -14,7 +14,8 @@ namespace {
 
 constexpr sim::ShoeClass k_class = sim::ShoeClass::Mixed;
 
-/// The first of some shoes whose second candidate passes every gate, too. Which one it is, the finder decides.
+/// The first of some shoes whose second candidate passes every gate, too. Which one it is, the finder
+/// decides.
 const Surface& later_scan() {
   static const Surface found = [] {
     for (std::uint64_t seed = 13;; ++seed) {
