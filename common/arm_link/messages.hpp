@@ -22,7 +22,8 @@ namespace biteline::arm_link {
 
 inline constexpr std::size_t k_message_bytes = 128, k_header_bytes = 16, k_sum_bytes = 4;
 inline constexpr std::uint8_t k_version = 1;
-inline constexpr std::uint16_t k_usual_port = 30400;
+inline constexpr std::uint16_t k_usual_port = 30400;       ///< of the host
+inline constexpr std::uint16_t k_usual_pose_port = 30401;  ///< where states are heard and nothing is said
 inline constexpr int k_joints = 6;
 using Message = std::array<std::uint8_t, k_message_bytes>;
 using Joints = Eigen::Matrix<double, k_joints, 1>;  ///< rad

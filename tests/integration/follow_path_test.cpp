@@ -18,6 +18,7 @@
 #include "host/robot/link/ur/ur_link.hpp"
 #include "host/robot/path/checks/program_check.hpp"
 #include "host/robot/path/first_run.hpp"
+#include "tests/support/timed_test.hpp"
 #include "tests/support/transforms.hpp"
 #include "tests/unit/host/robot/kinematics/arms.hpp"
 #include "tests/unit/host/robot/link/permitted.hpp"
@@ -205,7 +206,7 @@ TEST(FollowPath, OutputThatWasLeftOnIsOffInTheAir) {
   LONGS_EQUAL(0, arm.at(hal::monotonic_now()).outputs);
 }
 
-TEST(FollowPath, SentOverTheNetworkAndFollowedInRealTime) {
+ORDINARY_TIMED_TEST(FollowPath, SentOverTheNetworkAndFollowedInRealTime) {
   sim::Arm arm{kinematics, T_base_flange_home(kinematics)};
   const auto controller = sim::UrController::open({}, arm, {});
   CHECK(controller.has_value());
@@ -217,6 +218,79 @@ TEST(FollowPath, SentOverTheNetworkAndFollowedInRealTime) {
   check("over RTDE", report.deviation);
   CHECK_EQUAL(1U, (*controller)->scripts_run());
   CHECK(report.deviation.samples > 100 * path.duration_s());  // 500 Hz, and a busy machine may lose some
+}
+
+/// What the tool's two outputs did, cycle by cycle on the controller's thread.
+class FlowSeen {
+ public:
+  FlowSeen(const path::PlannedPath& path, double full_mm_s) : path_{path}, full_mm_s_{full_mm_s} {}
+
+  std::atomic<double> ratio{0};
+  std::atomic<bool> gun{false}, closed_before_the_tool_left{false};
+  std::atomic<int> cycles{0}, right{0};  ///< with the gun open and the tip on its way
+
+  void take(SensorClock::time_point instant, const sim::ArmState& state) {
+    const SE3 T = state.T_base_flange * state.T_flange_tcp;
+    const Vec3 spot = T.translation() + path_.standoff_mm * T.linear().col(2);
+    const double speed_mm_s =
+        (spot - spot_).norm() / std::chrono::duration<double>(instant - instant_).count();
+    spot_ = spot;
+    instant_ = instant;
+    const bool open = ((state.outputs >> static_cast<unsigned>(path_.digital_output)) & 1U) != 0;
+    if (gun && !open && state.moving) closed_before_the_tool_left = true;
+    gun = open;
+    ratio = state.analog_ratio[0];
+    constexpr double k_moves_mm_s = 5;
+    if (!open || speed_mm_s < k_moves_mm_s) return;
+    ++cycles;
+    if (std::abs(state.analog_ratio[0] - speed_mm_s / full_mm_s_) < 0.03) ++right;
+  }
+
+ private:
+  const path::PlannedPath& path_;
+  double full_mm_s_;
+  Vec3 spot_{Vec3::Zero()};
+  SensorClock::time_point instant_{};
+};
+
+/// The gun closes while the tip still goes along its overlap, and a stop in the middle ends both outputs.
+ORDINARY_TIMED_TEST(FollowPath, FlowGoesAlongAndEndsWithThePathAndWithAStop) {
+  path::PlanRequest request = test::plan_request("spray.yaml");
+  request.process.flow = path::Flow{.gun_on_s = 0.04,
+                                    .gun_off_s = 0.025,
+                                    .film_overlap_mm = 2,
+                                    .analog_output = 0,
+                                    .full_mm_s = 2 * request.process.motion.speed_mm_s};
+  const path::PlanOutcome outcome = path::plan(request);
+  CHECK_TEXT(outcome.path.has_value(), outcome.reason().c_str());
+  FlowSeen seen{outcome.path->path(), request.process.flow->full_mm_s};
+  sim::Arm arm{kinematics, T_base_flange_home(kinematics)};
+  const auto controller = sim::UrController::open(
+      {}, arm, [&](SensorClock::time_point instant, const sim::ArmState& state, const sim::ArmReal&) {
+        seen.take(instant, state);
+      });
+  CHECK(controller.has_value());
+  const auto link = link_to(**controller);
+  FollowReport report;
+  const auto followed = follow(**link, test::permitted(*outcome.path, (*link)->latest()->q_rad), {}, report);
+  CHECK_TEXT(followed.has_value(), followed ? "" : to_line(followed.error()).c_str());
+  check("with flow", report.deviation);
+  CHECK(seen.closed_before_the_tool_left);
+  // A busy machine skips cycles of the simulated controller, whose thread takes each for one cycle long.
+  CHECK(seen.cycles > 100);
+  CHECK(seen.right > 0.8 * seen.cycles);
+  CHECK_FALSE(seen.gun);
+  DOUBLES_EQUAL(0, seen.ratio, 0);
+
+  CHECK((*link)->send(test::permitted(*outcome.path, (*link)->latest()->q_rad)).has_value());
+  const auto until = std::chrono::steady_clock::now() + std::chrono::seconds{30};
+  const auto wait_for = [&](const auto& holds) {
+    while (!holds() && std::chrono::steady_clock::now() < until) std::this_thread::yield();
+    CHECK(holds());
+  };
+  wait_for([&] { return seen.gun && seen.ratio > 0.2; });
+  CHECK((*link)->stop().has_value());
+  wait_for([&] { return !seen.gun && seen.ratio == 0; });
 }
 
 /// An arm as it leaves the factory: its controller's rows are those by which it moves, and a path planned
@@ -251,7 +325,7 @@ TEST(FollowPath, ArmsOwnKinematicsComeFromItsController) {
 
 /// Half speed, a tenth, a hand that stops it for five seconds, and the whole again: nothing is stopped, and
 /// the tool is on along the line alone.
-TEST(FollowPath, OperatorsSliderIsObeyedAndNoFault) {
+ORDINARY_TIMED_TEST(FollowPath, OperatorsSliderIsObeyedAndNoFault) {
   sim::Arm arm{kinematics, T_base_flange_home(kinematics)};
   const auto controller = sim::UrController::open({.speed_slider_ratio = 0.5}, arm, {});
   CHECK(controller.has_value());

@@ -17,6 +17,22 @@ std::uint8_t with_output(std::uint8_t bits, int number, bool on) {
   return static_cast<std::uint8_t>(on ? bits | bit : bits & ~bit);
 }
 
+void put(const OutputStep& output, std::uint8_t& digital, std::array<double, 2>& analog_ratio) {
+  if (const auto* set = std::get_if<DigitalOutStep>(&output)) {
+    digital = with_output(digital, set->number, set->active);
+  } else {
+    const auto& share = std::get<AnalogOutStep>(output);
+    analog_ratio[static_cast<std::size_t>(share.number)] = share.ratio;
+  }
+}
+
+bool is_same(const OutputStep& a, const OutputStep& b) {
+  const auto number = [](const OutputStep& one) {
+    return std::visit([](const auto& output) { return output.number; }, one);
+  };
+  return a.index() == b.index() && number(a) == number(b);
+}
+
 }  // namespace
 
 Arm::Arm(const ArmKinematics& kinematics, const SE3& T_base_flange_start, const ArmDynamics& dynamics)
@@ -36,6 +52,7 @@ ArmState Arm::at(SensorClock::time_point instant) const {
                  .T_flange_tcp = T_flange_tcp_,
                  .q_rad = q_still_rad_,
                  .outputs = outputs_,
+                 .analog_ratio = analog_ratio_,
                  .payload = payload_};
   const double time_s = seconds(instant - begin_);
   if (motion_) {
@@ -55,9 +72,10 @@ ArmState Arm::at(SensorClock::time_point instant) const {
     state.T_base_flange = program_->T_base_flange_at(program_s);
     state.T_flange_tcp = program_->T_flange_tcp_at(program_s);
     state.outputs = program_->outputs_at(program_s);
+    state.analog_ratio = program_->analog_at(program_s);
     for (const SetBeside& set : beside_) {
-      if (!program_->sets_output_between(set.number, set.time_s, program_s))
-        state.outputs = with_output(state.outputs, set.number, set.on);
+      if (!program_->sets_between(set.output, set.time_s, program_s))
+        put(set.output, state.outputs, state.analog_ratio);
     }
     state.q_rad = program_->q_rad_at(program_s);
     state.payload = program_->payload_at(program_s);
@@ -111,6 +129,7 @@ void Arm::stand(SensorClock::time_point instant) {
   q_still_rad_ = now.q_rad;
   T_flange_tcp_ = now.T_flange_tcp;
   outputs_ = now.outputs;
+  analog_ratio_ = now.analog_ratio;
   payload_ = now.payload;
   motion_.reset();
   program_.reset();
@@ -119,13 +138,13 @@ void Arm::stand(SensorClock::time_point instant) {
   begin_ = instant;
 }
 
-void Arm::set_output(int number, bool on, SensorClock::time_point instant) {
+void Arm::set_output(const OutputStep& output, SensorClock::time_point instant) {
   const std::lock_guard lock(mutex_);
   if (!program_) {
-    outputs_ = with_output(outputs_, number, on);
+    put(output, outputs_, analog_ratio_);
   } else {
-    std::erase_if(beside_, [number](const SetBeside& set) { return set.number == number; });
-    beside_.push_back({.number = number, .on = on, .time_s = program_time_s(instant)});
+    std::erase_if(beside_, [&](const SetBeside& set) { return is_same(set.output, output); });
+    beside_.push_back({.output = output, .time_s = program_time_s(instant)});
   }
 }
 
@@ -150,8 +169,8 @@ void Arm::run(FlangeMotion motion, SensorClock::time_point begin) {
 void Arm::run(const Script& script, SensorClock::time_point begin) {
   stand(begin);
   const ArmState now = at(begin);
-  auto program = std::make_shared<const Program>(
-      Program::plan(script, kinematics_, now.T_base_flange, now.T_flange_tcp, now.payload, now.outputs));
+  auto program = std::make_shared<const Program>(Program::plan(
+      script, kinematics_, now.T_base_flange, now.T_flange_tcp, now.payload, now.outputs, now.analog_ratio));
   const std::lock_guard lock(mutex_);
   program_ = std::move(program);
   paces_.assign(1, {.since = begin, .program_s = 0, .ratio = speed_ratio_});

@@ -2,6 +2,7 @@
 #pragma once
 /// \file The simulated arm: where it is at any instant, and what it was told to do.
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -33,8 +34,9 @@ struct ArmState {
   bool moving{false};                  ///< a motion or program is on
   bool program_running{false};
   std::string program_name{};
-  std::uint8_t outputs{0};  ///< digital outputs
-  Payload payload{};        ///< as the last program said
+  std::uint8_t outputs{0};               ///< digital outputs
+  std::array<double, 2> analog_ratio{};  ///< analog outputs, of their range
+  Payload payload{};                     ///< as the last program said
 };
 
 /// Where the arm is, and where its controller says it is.
@@ -64,7 +66,7 @@ class Arm {
   /// Stands still from `instant` on.  Outputs stay as they are.
   void stop(SensorClock::time_point instant);
   /// What runs beside the moves sets an output, until the program itself sets it again.
-  void set_output(int number, bool on, SensorClock::time_point instant);
+  void set_output(const OutputStep& output, SensorClock::time_point instant);
 
   /// From `instant` on programs go at that share of their speed, 0 to 1; until then as before.  Instants in
   /// order.
@@ -92,13 +94,13 @@ class Arm {
   std::optional<JointVector> q_still_rad_{};
   SE3 T_flange_tcp_{SE3::Identity()};
   std::uint8_t outputs_{0};
+  std::array<double, 2> analog_ratio_{};
   Payload payload_;
   std::shared_ptr<const FlangeMotion> motion_;
   std::shared_ptr<const Program> program_;
   SensorClock::time_point begin_;
   struct SetBeside {
-    int number;
-    bool on;
+    OutputStep output;
     double time_s;  ///< of the program
   };
   struct Pace {

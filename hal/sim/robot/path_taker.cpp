@@ -16,12 +16,15 @@ using arm_link::Reason;
 /// A host that reads nothing for so long is cut off.
 constexpr std::size_t k_most_waiting_bytes = 1U << 20U;
 constexpr int k_most_output = 7;
+/// Who says nothing for so long is no host: a listener at the wrong port keeps no host away.
+constexpr Nanoseconds k_first_word{1'000'000'000};
 
 }  // namespace
 
 Result<std::unique_ptr<PathTaker>> PathTaker::open(const Config& config, Arm& arm) {
   std::unique_ptr<PathTaker> taker{new PathTaker{config, arm}};
   BITELINE_ASSIGN(taker->listener_, listen_on_loopback(config.port));
+  BITELINE_ASSIGN(taker->teller_, StateTeller::open(config.pose_port));
   taker->thread_ = std::thread{[raw = taker.get()] { raw->serve(); }};
   return taker;
 }
@@ -46,7 +49,9 @@ void PathTaker::serve() {
     if (now < due) continue;
     // A cycle that came too late is skipped, never caught up.
     while (due <= now) due += cycle;
-    if (host_.is_open()) say(state_at(now));
+    const arm_link::State state = state_at(now);
+    teller_->tell(state);
+    if (host_.is_open()) say(state);
     if (host_.is_open() && (!write_available(host_, outgoing_) || outgoing_.size() > k_most_waiting_bytes))
       lose_host(now);
   }
@@ -65,6 +70,7 @@ void PathTaker::accept_host(SensorClock::time_point now) {
   reader_ = {};
   outgoing_.clear();
   said_ = 0;
+  heard_ = false;
   beat_at_ = now;
 }
 
@@ -95,6 +101,7 @@ void PathTaker::hear(SensorClock::time_point now) {
 
 Reason PathTaker::take(const arm_link::Received& received, const arm_link::Message& message,
                        SensorClock::time_point now) {
+  heard_ = true;
   beat_at_ = now;  // whatever it says, it lives
   if (const auto* begin = std::get_if<arm_link::PathBegin>(&received.body))
     return take_begin(*begin, message);
@@ -161,12 +168,13 @@ Reason PathTaker::go(const arm_link::Go& go, SensorClock::time_point now) {
 
 void PathTaker::halt(Fault fault, SensorClock::time_point now) {
   arm_.stop(now);
-  if (path_.output >= 0) arm_.set_output(path_.output, false, now);
+  if (path_.output >= 0) arm_.set_output(DigitalOutStep{path_.output, false}, now);
   if (phase_ == Phase::Running) fault_ = fault;
   phase_ = Phase::Stopped;
 }
 
 void PathTaker::watch(SensorClock::time_point now) {
+  if (host_.is_open() && !heard_ && now - beat_at_ > k_first_word) lose_host(now);
   if (phase_ != Phase::Running) return;
   if (!safe_ || !powered_) return halt(Fault::Safety, now);
   if (now - beat_at_ > arm_link::k_dead_man) return halt(Fault::DeadMan, now);

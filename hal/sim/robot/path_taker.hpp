@@ -11,16 +11,19 @@
 
 #include "common/arm_link/messages.hpp"
 #include "hal/sim/robot/arm.hpp"
+#include "hal/sim/robot/state_teller.hpp"
 #include "hal/sim/robot/tcp.hpp"
 
 namespace biteline::sim {
 
 /// What docs/other-arms.md asks of the program on a controller, on loopback; made, no make's own.  One host
-/// at a time.  One thread serves the connection and the cycle.  Thread: any for the public methods.
+/// at a time, and beside it listeners at a port of their own.  One thread serves the connection and the
+/// cycle.  Thread: any for the public methods.
 class PathTaker {
  public:
   struct Config {
-    std::uint16_t port{0};  ///< 0: a free one
+    std::uint16_t port{0};       ///< 0: a free one
+    std::uint16_t pose_port{0};  ///< likewise
     int rate_hz{250};
     Nanoseconds clock_offset{0};  ///< controller clock minus this machine's monotonic clock
     arm_link::Robot robot{.make = "made", .model = "UR5e by another name", .serial = "1", .joints = 6};
@@ -34,6 +37,7 @@ class PathTaker {
   PathTaker& operator=(const PathTaker&) = delete;
 
   [[nodiscard]] std::uint16_t port() const { return listener_.port; }
+  [[nodiscard]] std::uint16_t pose_port() const { return teller_->port(); }
   void set_safe(bool on) { safe_ = on; }
   void set_powered(bool on) { powered_ = on; }
   /// Of the way that a program ended before its end, the last.
@@ -64,6 +68,7 @@ class PathTaker {
   Config config_;
   Arm& arm_;
   TcpListener listener_;
+  std::optional<StateTeller> teller_;
   std::atomic<bool> safe_{true}, powered_{true}, stopping_{false};
   std::atomic<arm_link::Fault> fault_{arm_link::Fault::None};
   std::atomic<std::uint64_t> paths_run_{0}, messages_refused_{0};
@@ -73,7 +78,8 @@ class PathTaker {
   std::vector<std::uint8_t> outgoing_;
   arm_link::Reader reader_;
   std::uint32_t said_{0};
-  SensorClock::time_point beat_at_;
+  SensorClock::time_point beat_at_;  ///< or when the host came
+  bool heard_{false};                ///< the host has said a word
   arm_link::Phase phase_{arm_link::Phase::Idle};
   arm_link::PathBegin path_;
   std::vector<arm_link::PathPoint> points_;

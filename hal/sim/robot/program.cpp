@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <type_traits>
 
 namespace biteline::sim {
 
@@ -38,8 +39,8 @@ JointVector nearest_turns(JointVector q_rad, const JointVector& reference_rad) {
 }  // namespace
 
 Program Program::plan(const Script& script, const ArmKinematics& arm, const SE3& T_base_flange_start,
-                      const SE3& T_flange_tcp_start, const Payload& payload_start,
-                      std::uint8_t outputs_start) {
+                      const SE3& T_flange_tcp_start, const Payload& payload_start, std::uint8_t outputs_start,
+                      const std::array<double, 2>& analog_start) {
   Program program(arm);
   program.name_ = script.name;
   program.threads_ = script.threads;
@@ -47,6 +48,7 @@ Program Program::plan(const Script& script, const ArmKinematics& arm, const SE3&
   SE3 T_flange_tcp = T_flange_tcp_start;
   Payload payload = payload_start;
   std::uint8_t outputs = outputs_start;
+  std::array<double, 2> analog_ratio = analog_start;
   double time_s = 0;
   const auto append = [&](double duration_s, std::variant<Hold, TimedPath, JointMove> motion) {
     program.pieces_.push_back({.begin_s = time_s,
@@ -54,6 +56,7 @@ Program Program::plan(const Script& script, const ArmKinematics& arm, const SE3&
                                .T_flange_tcp = T_flange_tcp,
                                .payload = payload,
                                .outputs = outputs,
+                               .analog_ratio = analog_ratio,
                                .motion = std::move(motion)});
     time_s += duration_s;
     T_base_flange = program.flange_of(program.pieces_.back(), time_s);
@@ -117,6 +120,10 @@ Program Program::plan(const Script& script, const ArmKinematics& arm, const SE3&
       outputs = static_cast<std::uint8_t>(output->active ? outputs | bit : outputs & ~bit);
       append(0, Hold{T_base_flange});
       program.events_.push_back({.time_s = time_s, .step = step});
+    } else if (const auto* analog = std::get_if<AnalogOutStep>(&step)) {
+      analog_ratio[static_cast<std::size_t>(analog->number)] = analog->ratio;
+      append(0, Hold{T_base_flange});
+      program.events_.push_back({.time_s = time_s, .step = step});
     } else if (!std::holds_alternative<TextStep>(step)) {
       program.events_.push_back({.time_s = time_s, .step = step});
     }
@@ -125,10 +132,17 @@ Program Program::plan(const Script& script, const ArmKinematics& arm, const SE3&
   return program;
 }
 
-bool Program::sets_output_between(int number, double after_s, double until_s) const {
+bool Program::sets_between(const OutputStep& same, double after_s, double until_s) const {
+  const auto sets_it = [&](const ScriptStep& step) {
+    return std::visit(
+        [&](const auto& output) {
+          const auto* set = std::get_if<std::decay_t<decltype(output)>>(&step);
+          return set != nullptr && set->number == output.number;
+        },
+        same);
+  };
   return std::ranges::any_of(events_, [&](const ProgramEvent& event) {
-    const auto* output = std::get_if<DigitalOutStep>(&event.step);
-    return output != nullptr && output->number == number && event.time_s > after_s && event.time_s <= until_s;
+    return event.time_s > after_s && event.time_s <= until_s && sets_it(event.step);
   });
 }
 
@@ -191,6 +205,9 @@ const Payload& Program::payload_at(double time_s) const {
 }
 std::uint8_t Program::outputs_at(double time_s) const {
   return piece_at(time_s).outputs;
+}
+std::array<double, 2> Program::analog_at(double time_s) const {
+  return piece_at(time_s).analog_ratio;
 }
 
 }  // namespace biteline::sim

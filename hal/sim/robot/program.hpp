@@ -2,6 +2,7 @@
 #pragma once
 /// \file A script laid out in time: where the flange is at every instant of it.
 
+#include <array>
 #include <cstdint>
 #include <variant>
 #include <vector>
@@ -25,7 +26,8 @@ class Program {
   /// is made straight instead.
   [[nodiscard]] static Program plan(const Script& script, const ArmKinematics& arm,
                                     const SE3& T_base_flange_start, const SE3& T_flange_tcp,
-                                    const Payload& payload = {}, std::uint8_t outputs = 0);
+                                    const Payload& payload = {}, std::uint8_t outputs = 0,
+                                    const std::array<double, 2>& analog_ratio = {});
 
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] double duration_s() const { return pieces_.empty() ? 0 : pieces_.back().end_s; }
@@ -42,8 +44,11 @@ class Program {
   /// them since.
   [[nodiscard]] std::uint8_t outputs_at(double time_s) const;
 
-  /// The script itself has set that output after the one time and not after the other.
-  [[nodiscard]] bool sets_output_between(int number, double after_s, double until_s) const;
+  /// Of the analog outputs, 0 to 1, likewise.
+  [[nodiscard]] std::array<double, 2> analog_at(double time_s) const;
+
+  /// The script itself has set the same output after the one time and not after the other.
+  [[nodiscard]] bool sets_between(const OutputStep& same, double after_s, double until_s) const;
 
   /// In their order.
   [[nodiscard]] const std::vector<ProgramEvent>& events() const { return events_; }
@@ -65,6 +70,7 @@ class Program {
     SE3 T_flange_tcp{SE3::Identity()};
     Payload payload;
     std::uint8_t outputs{0};
+    std::array<double, 2> analog_ratio{};
     std::variant<Hold, TimedPath, JointMove> motion;
   };
   [[nodiscard]] const Piece& piece_at(double time_s) const;

@@ -14,44 +14,42 @@ double seconds(Nanoseconds time) {
 
 std::string ProgramWatch::step(SensorClock::time_point instant, const RtdeInputs& inputs) {
   const Arm::Running running = arm_.running(instant);
-  if (running.program != program_ || running.begin != begin_) {
-    program_ = running.program;
+  if (!running.program) {
+    threads_.reset();
+    return {};
+  }
+  if (!threads_ || running.program != threads_->program() || running.begin != begin_) {
+    threads_.emplace(running.program);
     begin_ = running.begin;
-    events_done_ = 0;
-    threads_.clear();
-    watchdogs_.clear();
   }
-  if (!program_) return {};
-  const double time_s = seconds(instant - begin_);
-  begin_events(running.time_s, time_s);
-  const RunningThread::World world{
-      .input_register = [&](int number) { return inputs.input_register(number); },
-      .set_output = [&](int number, bool on) { arm_.set_output(number, on, instant); }};
-  for (auto& [name, thread] : threads_) {
-    if (!thread.run_until(time_s, world)) continue;
-    arm_.stop(instant);
-    return "thread " + name + " halted the program";
-  }
-  return look_at_watchdogs(instant, inputs);
+  const std::string halts =
+      threads_->step(running.time_s, seconds(instant - begin_), world_at(instant, inputs));
+  if (halts.empty()) return look_at_watchdogs(instant, inputs);
+  arm_.stop(instant);
+  return "thread " + halts + " halted the program";
 }
 
-void ProgramWatch::begin_events(double program_s, double time_s) {
-  const auto& events = program_->events();
-  for (; events_done_ < events.size() && events[events_done_].time_s <= program_s; ++events_done_) {
-    const ProgramEvent& event = events[events_done_];
-    if (const auto* run = std::get_if<RunThreadStep>(&event.step)) {
-      const ThreadCode* code = program_->thread(run->name);
-      if (code != nullptr) threads_.insert_or_assign(run->name, RunningThread{*code, time_s});
-    } else if (const auto* kill = std::get_if<KillThreadStep>(&event.step)) {
-      threads_.erase(kill->name);
-    } else if (const auto* watchdog = std::get_if<WatchdogStep>(&event.step)) {
-      watchdogs_.insert_or_assign(watchdog->variable, Watchdog{time_s, *watchdog});
-    }
-  }
+ScriptWorld ProgramWatch::world_at(SensorClock::time_point instant, const RtdeInputs& inputs) {
+  return {.input_register = [&inputs](int number) { return inputs.input_register(number); },
+          .T_base_tcp =
+              [this, instant](bool actual) {
+                const ArmState target = arm_.at(instant);
+                return SE3{(actual ? arm_.real_at(instant).T_base_flange_told : target.T_base_flange) *
+                           target.T_flange_tcp};
+              },
+          .step_s = step_s_,
+          .set_output =
+              [this, instant](int number, bool on) {
+                arm_.set_output(DigitalOutStep{number, on}, instant);
+              },
+          .set_analog =
+              [this, instant](int number, double ratio) {
+                arm_.set_output(AnalogOutStep{number, ratio}, instant);
+              }};
 }
 
 std::string ProgramWatch::look_at_watchdogs(SensorClock::time_point instant, const RtdeInputs& inputs) {
-  for (const auto& [variable, watchdog] : watchdogs_) {
+  for (const auto& [variable, watchdog] : threads_->watchdogs()) {
     if (!watchdog.told.stops) continue;
     const double time_s = seconds(instant - begin_);
     double fed_s = watchdog.begin_s;

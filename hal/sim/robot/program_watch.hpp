@@ -2,11 +2,11 @@
 #pragma once
 /// \file What runs beside a program's moves: its threads, and the watchdogs it has set on RTDE inputs.
 
-#include <map>
-#include <memory>
+#include <optional>
 #include <string>
 
 #include "hal/sim/robot/arm.hpp"
+#include "hal/sim/robot/program_threads.hpp"
 
 namespace biteline::sim {
 
@@ -23,26 +23,20 @@ class RtdeInputs {
 /// and threads end with their program, and outputs stay as they are when it does. Single-threaded.
 class ProgramWatch {
  public:
-  explicit ProgramWatch(Arm& arm) : arm_{arm} {}
+  /// `step_s`: of the controller's cycle.
+  ProgramWatch(Arm& arm, double step_s) : arm_{arm}, step_s_{step_s} {}
 
   /// What ended the program, for the log; empty: nothing.
   [[nodiscard]] std::string step(SensorClock::time_point instant, const RtdeInputs& inputs);
 
  private:
-  struct Watchdog {
-    double begin_s;
-    WatchdogStep told;
-  };
-  /// Of the program until `program_s` of its own time, which is `time_s` after its begin.
-  void begin_events(double program_s, double time_s);
+  [[nodiscard]] ScriptWorld world_at(SensorClock::time_point instant, const RtdeInputs& inputs);
   [[nodiscard]] std::string look_at_watchdogs(SensorClock::time_point instant, const RtdeInputs& inputs);
 
   Arm& arm_;
-  std::shared_ptr<const Program> program_;
+  double step_s_;
+  std::optional<ProgramThreads> threads_{};
   SensorClock::time_point begin_;
-  std::size_t events_done_{0};
-  std::map<std::string, RunningThread> threads_;
-  std::map<std::string, Watchdog> watchdogs_;
 };
 
 }  // namespace biteline::sim

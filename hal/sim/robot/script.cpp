@@ -11,24 +11,24 @@ namespace biteline::sim {
 
 namespace {
 
-constexpr double k_mm_per_m = 1000;
 /// URScript's defaults: 1.2 m/s^2 and 0.25 m/s for straight moves, 1.4 rad/s^2 and 1.05 rad/s for joint
 /// moves.
 constexpr double k_linear_acceleration = 1.2, k_linear_speed = 0.25;
 constexpr double k_joint_acceleration = 1.4, k_joint_speed = 1.05;
 
 struct Pose {
-  std::array<double, 6> numbers;
+  ScriptPose numbers;
 };
 using List = std::array<double, 6>;
 using Triple = std::array<double, 3>;
 using Literal = std::variant<double, bool, std::string, Pose, List, Triple>;
 
-SE3 to_se3(const Pose& pose) {
-  SE3 T = SE3::Identity();
-  T.translation() = k_mm_per_m * Vec3(pose.numbers[0], pose.numbers[1], pose.numbers[2]);
-  T.linear() = geometry::exp_so3(Vec3(pose.numbers[3], pose.numbers[4], pose.numbers[5]));
-  return T;
+/// Nothing: a thread takes no such value.
+std::optional<ScriptValue> value_for_threads(const Literal& literal) {
+  if (const auto* number = std::get_if<double>(&literal)) return *number;
+  if (const auto* truth = std::get_if<bool>(&literal)) return *truth ? 1.0 : 0.0;
+  if (const auto* pose = std::get_if<Pose>(&literal)) return pose->numbers;
+  return std::nullopt;
 }
 
 struct Argument {
@@ -181,13 +181,13 @@ Result<ScriptStep> move_step(const std::string& function, const std::vector<Argu
   if (arguments.empty())
     return fail(Errc::BadFormat, "script line %d: %s needs a goal", line, function.c_str());
   if (const auto* pose = std::get_if<Pose>(&arguments[0].value)) {
-    move.T_base_tcp = to_se3(*pose);
+    move.T_base_tcp = to_se3(pose->numbers);
   } else if (const auto* joints = std::get_if<List>(&arguments[0].value)) {
     move.q_rad = Eigen::Map<const JointVector>(joints->data());
   } else {
     return fail(Errc::BadValue, "script line %d: %s: a pose or six joints expected", line, function.c_str());
   }
-  const double unit = joint ? 1 : k_mm_per_m;
+  const double unit = joint ? 1 : k_script_mm_per_m;
   BITELINE_ASSIGN(const double acceleration,
                   number_of(arguments, "a", 1, joint ? k_joint_acceleration : k_linear_acceleration, line));
   BITELINE_ASSIGN(const double speed,
@@ -201,7 +201,7 @@ Result<ScriptStep> move_step(const std::string& function, const std::vector<Argu
   }
   move.speed = unit * speed;
   move.acceleration = unit * acceleration;
-  move.blend_mm = k_mm_per_m * blend;
+  move.blend_mm = k_script_mm_per_m * blend;
   return ScriptStep{move};
 }
 
@@ -215,7 +215,7 @@ Result<std::optional<ScriptStep>> step_of(const std::string& function, const std
   if (function == "set_tcp") {
     const auto* pose = arguments.empty() ? nullptr : std::get_if<Pose>(&arguments[0].value);
     if (pose == nullptr) return fail(Errc::BadValue, "script line %d: set_tcp: a pose expected", line);
-    return std::optional<ScriptStep>{SetTcpStep{to_se3(*pose)}};
+    return std::optional<ScriptStep>{SetTcpStep{to_se3(pose->numbers)}};
   }
   if (function == "set_payload") {
     BITELINE_ASSIGN(const double mass_kg, number_of(arguments, "m", 0, -1, line));
@@ -225,7 +225,8 @@ Result<std::optional<ScriptStep>> step_of(const std::string& function, const std
                   "script line %d: set_payload: a mass in kg and a centre [x,y,z] in m expected", line);
     }
     Payload payload{.mass_kg = mass_kg};
-    if (centre != nullptr) payload.centre_mm = k_mm_per_m * Vec3((*centre)[0], (*centre)[1], (*centre)[2]);
+    if (centre != nullptr)
+      payload.centre_mm = k_script_mm_per_m * Vec3((*centre)[0], (*centre)[1], (*centre)[2]);
     return std::optional<ScriptStep>{payload};
   }
   if (function == "sleep") {
@@ -240,6 +241,14 @@ Result<std::optional<ScriptStep>> step_of(const std::string& function, const std
                   function.c_str());
     }
     return std::optional<ScriptStep>{DigitalOutStep{static_cast<int>(*number), *active}};
+  }
+  if (function == "set_standard_analog_out") {
+    BITELINE_ASSIGN(const double number, number_of(arguments, "n", 0, -1, line));
+    BITELINE_ASSIGN(const double ratio, number_of(arguments, "f", 1, -1, line));
+    if (!(number == 0 || number == 1) || !(ratio >= 0 && ratio <= 1))
+      return fail(Errc::BadValue, "script line %d: %s: an output 0 or 1 and a share from 0 to 1 expected",
+                  line, function.c_str());
+    return std::optional<ScriptStep>{AnalogOutStep{static_cast<int>(number), ratio}};
   }
   if (function == "textmsg") {
     const auto* text = arguments.empty() ? nullptr : std::get_if<std::string>(&arguments[0].value);
@@ -326,6 +335,8 @@ Result<Script> parse_script(std::string_view text) {
       }
       BITELINE_ASSIGN(variables[name], reader.literal());
       if (!reader.at_end()) return reader.wrong("the end of the line");
+      if (auto value = value_for_threads(variables[name]))
+        script.steps.emplace_back(AssignStep{.name = name, .value = *value});
       continue;
     }
     if (!reader.take('('))
@@ -336,6 +347,10 @@ Result<Script> parse_script(std::string_view text) {
     if (step) script.steps.push_back(std::move(*step));
   }
   if (thread || (inside && !ended)) return fail(Errc::Truncated, "script line %d: 'end' is missing", line);
+  // Nobody else sees a variable, and an assignment stops no arm.
+  if (script.threads.empty())
+    std::erase_if(script.steps,
+                  [](const ScriptStep& step) { return std::holds_alternative<AssignStep>(step); });
   return script;
 }
 

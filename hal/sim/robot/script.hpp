@@ -42,6 +42,16 @@ struct DigitalOutStep {
   int number{0};
   bool active{false};
 };
+struct AnalogOutStep {
+  int number{0};
+  double ratio{0};  ///< of its range
+};
+using OutputStep = std::variant<DigitalOutStep, AnalogOutStep>;
+/// A variable of the program, for its threads.
+struct AssignStep {
+  std::string name;
+  ScriptValue value{0.0};
+};
 struct TextStep {
   std::string text;
 };
@@ -56,8 +66,8 @@ struct WatchdogStep {
   double min_hz{0};
   bool stops{true};  ///< the program; else it is ignored
 };
-using ScriptStep = std::variant<MoveStep, SetTcpStep, Payload, SleepStep, DigitalOutStep, TextStep,
-                                RunThreadStep, KillThreadStep, WatchdogStep>;
+using ScriptStep = std::variant<MoveStep, SetTcpStep, Payload, SleepStep, DigitalOutStep, AnalogOutStep,
+                                AssignStep, TextStep, RunThreadStep, KillThreadStep, WatchdogStep>;
 
 struct Script {
   std::string name{"script"};
@@ -67,9 +77,10 @@ struct Script {
 };
 
 /// `def name(): ... end` or bare lines; movel, movep, movej, set_tcp, set_payload, set_digital_out,
-/// set_standard_digital_out, sleep, sync, textmsg; variables that hold literals; rtde_set_watchdog with
-/// "stop" or "ignore"; threads (thread_code.hpp), run and killed.  Universal Robots, "The URScript
-/// Programming Language", with its defaults for a and v.  No loops and no conditions but in threads.
+/// set_standard_digital_out, set_standard_analog_out, sleep, sync, textmsg; variables that hold literals,
+/// which threads see as they are at that time; rtde_set_watchdog with "stop" or "ignore"; threads
+/// (thread_code.hpp), run and killed.  Universal Robots, "The URScript Programming Language", with its
+/// defaults for a and v.  No loops and no conditions but in threads.
 [[nodiscard]] Result<Script> parse_script(std::string_view text);
 
 }  // namespace biteline::sim

@@ -2,11 +2,8 @@
 #include "hal/sim/robot/thread_code.hpp"
 
 #include <algorithm>
-#include <array>
-#include <cctype>
-#include <cmath>
-#include <cstdlib>
 #include <optional>
+#include <utility>
 
 namespace biteline::sim {
 namespace {
@@ -14,86 +11,8 @@ namespace {
 // What a thread may do without sleep or sync before its frame is over.
 constexpr int k_most_in_a_frame = 10'000;
 
-bool is_word(char c) {
-  return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_';
-}
-
-/// Reads one row of a thread's body.
-class Row {
- public:
-  Row(std::string_view text, int line) : text_{text}, line_{line} {}
-
-  [[nodiscard]] bool at_end() {
-    skip();
-    return text_.empty();
-  }
-  std::string word() {
-    skip();
-    const auto end = std::ranges::find_if_not(text_, is_word);
-    std::string found(text_.begin(), end);
-    text_.remove_prefix(found.size());
-    return found;
-  }
-  bool take(std::string_view expected) {
-    skip();
-    if (!text_.starts_with(expected)) return false;
-    text_.remove_prefix(expected.size());
-    return true;
-  }
-  [[nodiscard]] tl::unexpected<Error> wrong(const char* expected) const {
-    return fail(Errc::BadFormat, "script line %d: %s expected at '%.*s'", line_, expected,
-                static_cast<int>(std::min<std::size_t>(text_.size(), 30)), text_.data());
-  }
-  [[nodiscard]] tl::unexpected<Error> unknown(const std::string& name) const {
-    return fail(Errc::NotSupported, "script line %d: '%s' is not simulated in a thread", line_, name.c_str());
-  }
-
-  Result<Operand> operand() {
-    skip();
-    if (text_.empty()) return wrong("a value");
-    if (std::isalpha(static_cast<unsigned char>(text_.front())) == 0 && text_.front() != '_') {
-      BITELINE_ASSIGN(const double number, this->number());
-      return Operand{number};
-    }
-    const std::string name = word();
-    if (name == "True" || name == "False") return Operand{name == "True" ? 1.0 : 0.0};
-    if (!take("(")) return Operand{name};
-    if (name != "read_input_integer_register") return unknown(name);
-    BITELINE_ASSIGN(const double number, this->number());
-    if (!take(")")) return wrong("')'");
-    return Operand{Operand::Register{static_cast<int>(number)}};
-  }
-  Result<Expression> expression() {
-    Expression found;
-    BITELINE_ASSIGN(found.left, operand());
-    for (const char* op : {"==", "!=", "<=", ">=", "<", ">", "+", "-"}) {
-      if (!take(op)) continue;
-      found.op = op;
-      BITELINE_ASSIGN(found.right, operand());
-      break;
-    }
-    return found;
-  }
-  Result<double> number() {
-    skip();
-    const std::string copy(text_.substr(0, 64));
-    char* end = nullptr;
-    const double value = std::strtod(copy.c_str(), &end);
-    if (end == copy.c_str() || !(std::abs(value) <= 1e9)) return wrong("a number");
-    text_.remove_prefix(static_cast<std::size_t>(end - copy.c_str()));
-    return value;
-  }
-
- private:
-  void skip() {
-    while (!text_.empty() && (text_.front() == ' ' || text_.front() == '\t')) text_.remove_prefix(1);
-  }
-  std::string_view text_;
-  int line_;
-};
-
 /// A call that stands alone.
-Result<std::optional<Instruction>> call(Row& row, const std::string& name) {
+Result<Instruction> call(RowReader& row, const std::string& name) {
   Instruction found;
   if (name == "sync") {
     found.kind = Instruction::Kind::Sync;
@@ -107,17 +26,24 @@ Result<std::optional<Instruction>> call(Row& row, const std::string& name) {
       return row.wrong("an output 0 to 7 and True or False");
     found.output = static_cast<int>(number);
     BITELINE_ASSIGN(found.value, row.expression());
+  } else if (name == "set_standard_analog_out") {
+    found.kind = Instruction::Kind::Analog;
+    BITELINE_ASSIGN(const double number, row.number());
+    if (!(number == 0 || number == 1) || !row.take(","))
+      return row.wrong("an analog output 0 or 1 and a share");
+    found.output = static_cast<int>(number);
+    BITELINE_ASSIGN(found.value, row.expression());
   } else {
     return row.unknown(name);
   }
   if (!row.take(")")) return row.wrong("')'");
-  return std::optional{found};
+  return found;
 }
 
 }  // namespace
 
 Result<bool> ThreadReader::take(std::string_view text, int line) {
-  Row row{text, line};
+  RowReader row{text, line};
   std::string name = row.word();
   std::vector<Instruction>& all = code_.instructions;
   if (name == "while" || name == "if") {
@@ -147,12 +73,13 @@ Result<bool> ThreadReader::take(std::string_view text, int line) {
     all.push_back({.kind = name == "halt" ? Instruction::Kind::Halt : Instruction::Kind::Return});
     return false;
   }
-  if (name == "local" || name == "global") name = row.word();
+  const bool local = name == "local";
+  if (local || name == "global") name = row.word();
   if (row.take("(")) {
-    BITELINE_ASSIGN(auto instruction, call(row, name));
-    if (instruction) all.push_back(std::move(*instruction));
+    BITELINE_ASSIGN(Instruction instruction, call(row, name));
+    all.push_back(std::move(instruction));
   } else if (row.take("=")) {
-    Instruction assign{.kind = Instruction::Kind::Assign, .name = name};
+    Instruction assign{.kind = Instruction::Kind::Assign, .name = name, .local = local};
     BITELINE_ASSIGN(assign.value, row.expression());
     all.push_back(std::move(assign));
   } else {
@@ -162,57 +89,42 @@ Result<bool> ThreadReader::take(std::string_view text, int line) {
   return false;
 }
 
-double RunningThread::value_of(const Operand& operand, const World& world) const {
-  if (const auto* number = std::get_if<double>(&operand.value)) return *number;
-  if (const auto* reg = std::get_if<Operand::Register>(&operand.value))
-    return world.input_register(reg->number);
-  const auto known = variables_.find(std::get<std::string>(operand.value));
-  return known == variables_.end() ? 0 : known->second;
+std::optional<double> RunningThread::number_of(const Instruction& now, const ScriptWorld& world,
+                                               const ScriptVariables& globals) const {
+  const std::optional<ScriptValue> value = value_of(now.value, locals_, globals, world);
+  if (!value || !std::holds_alternative<double>(*value)) return std::nullopt;
+  return std::get<double>(*value);
 }
 
-double RunningThread::value_of(const Expression& expression, const World& world) const {
-  const double a = value_of(expression.left, world);
-  if (expression.op.empty()) return a;
-  const double b = value_of(expression.right, world);
-  if (expression.op == "+") return a + b;
-  if (expression.op == "-") return a - b;
-  const bool holds = expression.op == "=="   ? a == b
-                     : expression.op == "!=" ? a != b
-                     : expression.op == "<=" ? a <= b
-                     : expression.op == ">=" ? a >= b
-                     : expression.op == "<"  ? a < b
-                                             : a > b;
-  return holds ? 1 : 0;
+bool RunningThread::assign(const Instruction& now, const ScriptWorld& world, ScriptVariables& globals) {
+  const std::optional<ScriptValue> value = value_of(now.value, locals_, globals, world);
+  if (!value) return false;
+  const bool own = now.local || locals_.contains(now.name);
+  (own ? locals_ : globals).insert_or_assign(now.name, *value);
+  return true;
 }
 
-bool RunningThread::run_until(double time_s, const World& world) {
+bool RunningThread::run_until(double time_s, const ScriptWorld& world, ScriptVariables& globals) {
+  using Kind = Instruction::Kind;
   for (int done = 0; done < k_most_in_a_frame && at_ < code_->instructions.size() && time_s >= wake_s_;
        ++done) {
     const Instruction& now = code_->instructions[at_++];
-    switch (now.kind) {
-      case Instruction::Kind::Assign:
-        variables_[now.name] = value_of(now.value, world);
-        break;
-      case Instruction::Kind::Jump:
-        at_ = now.target;
-        break;
-      case Instruction::Kind::JumpUnless:
-        if (value_of(now.value, world) == 0) at_ = now.target;
-        break;
-      case Instruction::Kind::Sleep:
-        wake_s_ = time_s + std::max(0.0, value_of(now.value, world));
-        break;
-      case Instruction::Kind::Sync:
-        return false;
-      case Instruction::Kind::Output:
-        world.set_output(now.output, value_of(now.value, world) != 0);
-        break;
-      case Instruction::Kind::Halt:
-        return true;
-      case Instruction::Kind::Return:
-        at_ = code_->instructions.size();
-        break;
+    if (now.kind == Kind::Sync) return false;
+    if (now.kind == Kind::Halt) return true;
+    if (now.kind == Kind::Jump || now.kind == Kind::Return) {
+      at_ = now.kind == Kind::Jump ? now.target : code_->instructions.size();
+      continue;
     }
+    if (now.kind == Kind::Assign) {
+      if (!assign(now, world, globals)) return true;
+      continue;
+    }
+    const std::optional<double> value = number_of(now, world, globals);
+    if (!value) return true;
+    if (now.kind == Kind::JumpUnless && *value == 0) at_ = now.target;
+    if (now.kind == Kind::Sleep) wake_s_ = time_s + std::max(0.0, *value);
+    if (now.kind == Kind::Output) world.set_output(now.output, *value != 0);
+    if (now.kind == Kind::Analog) world.set_analog(now.output, std::clamp(*value, 0.0, 1.0));
   }
   return false;
 }

@@ -1,38 +1,21 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file A URScript thread, of the little that watches registers and switches outputs, read and run.
+/// \file A URScript thread, of what watches registers and switches outputs, read and run.
 
-#include <functional>
-#include <map>
 #include <string>
 #include <string_view>
-#include <variant>
 #include <vector>
 
-#include "common/core/result.hpp"
+#include "hal/sim/robot/script_expression.hpp"
 
 namespace biteline::sim {
 
-/// A number (True is 1), a variable, or read_input_integer_register(n).
-struct Operand {
-  struct Register {
-    int number;
-  };
-  std::variant<double, std::string, Register> value{0.0};
-};
-
-/// One operand, or two with + - == != < > <= >= between them.
-struct Expression {
-  Operand left;
-  std::string op;  ///< empty: one operand
-  Operand right;
-};
-
 struct Instruction {
-  enum class Kind { Assign, Jump, JumpUnless, Sleep, Sync, Output, Halt, Return };
+  enum class Kind { Assign, Jump, JumpUnless, Sleep, Sync, Output, Analog, Halt, Return };
   Kind kind{Kind::Sync};
   std::string name{};     ///< Assign: the variable
-  Expression value{};     ///< Assign, JumpUnless, Sleep; Output: on or off
+  bool local{false};      ///< Assign: it is the thread's own
+  Expression value{};     ///< Assign, JumpUnless, Sleep; Output: on or off; Analog: 0 to 1
   std::size_t target{0};  ///< Jump, JumpUnless
   int output{0};
 };
@@ -65,19 +48,18 @@ class RunningThread {
  public:
   explicit RunningThread(const ThreadCode& code, double begin_s) : code_{&code}, wake_s_{begin_s} {}
 
-  struct World {
-    std::function<int(int number)> input_register;
-    std::function<void(int number, bool on)> set_output;
-  };
-  /// All that it does by `time_s`.  true: it halts the program.
-  [[nodiscard]] bool run_until(double time_s, const World& world);
+  /// All that it does by `time_s`.  A variable that is not the thread's own is the program's.  true: it halts
+  /// the program, by its own word or because a value is none.
+  [[nodiscard]] bool run_until(double time_s, const ScriptWorld& world, ScriptVariables& globals);
 
  private:
-  [[nodiscard]] double value_of(const Operand& operand, const World& world) const;
-  [[nodiscard]] double value_of(const Expression& expression, const World& world) const;
+  /// Of the instruction at hand.  nullopt: it is none.
+  [[nodiscard]] std::optional<double> number_of(const Instruction& now, const ScriptWorld& world,
+                                                const ScriptVariables& globals) const;
+  [[nodiscard]] bool assign(const Instruction& now, const ScriptWorld& world, ScriptVariables& globals);
 
   const ThreadCode* code_;
-  std::map<std::string, double> variables_;
+  ScriptVariables locals_;
   std::size_t at_{0};
   double wake_s_;
 };

@@ -86,7 +86,7 @@ UrController::UrController(const Config& config, Arm& arm, OnCycle on_cycle)
       arm_(arm),
       on_cycle_(std::move(on_cycle)),
       values_(arm.kinematics()),
-      program_watch_(arm),
+      program_watch_(arm, 1.0 / config.rate_hz),
       slider_wish_{config.speed_slider_ratio},
       pace_ratio_{config.speed_slider_ratio} {}
 

@@ -16,6 +16,9 @@ constexpr std::uint32_t k_stopped = 1, k_playing = 2;
 constexpr std::uint32_t k_power_on = 1U << 0U, k_program_running = 1U << 1U;
 constexpr std::uint32_t k_safety_normal = 1U << 0U, k_safety_protective = 1U << 2U;
 constexpr std::int32_t k_protective_stop = 3;
+/// Analog outputs from 0 to 10 V; bits 2 and 3 of analog_io_types, same source.
+constexpr double k_full_volts = 10;
+constexpr std::uint32_t k_outputs_in_volts = 0b1100;
 /// Joint mode RUNNING, same source.
 constexpr std::int32_t k_joint_running = 253;
 
@@ -132,6 +135,9 @@ rtde::Value UrValues::value_of(std::string_view name) const {
   }
   if (name == "actual_digital_input_bits") return digital_inputs_;
   if (name == "actual_digital_output_bits") return std::uint64_t{state_.outputs};
+  if (name == "standard_analog_output0") return k_full_volts * state_.analog_ratio[0];
+  if (name == "standard_analog_output1") return k_full_volts * state_.analog_ratio[1];
+  if (name == "analog_io_types") return k_outputs_in_volts;
   const auto type = rtde::output_type(name);
   return rtde::zero_of(type.value_or(rtde::FieldType::Double));
 }

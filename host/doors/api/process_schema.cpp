@@ -85,6 +85,13 @@ constexpr std::array k_help{
     Help{"zones[].passes", "How often it is worked; after the first the tool comes back to it"},
     Help{"zones[].ramp_mm", "Within its ends, over which offsets and angles change"},
     Help{"digital_output", "Output that is on along the line; -1: none"},
+    Help{"flow.gun_on_ms", "From the output's switching on until it is on the shoe; the tool waits so long"},
+    Help{"flow.gun_off_ms", "From its switching off until nothing comes; it is switched off so long before"},
+    Help{"flow.dwell_ms", "How long the tool stands at its beginning then"},
+    Help{"flow.film_overlap_mm", "Film on film where the line closes; the rest of the overlap stays dry"},
+    Help{"flow.analog_output", "Output that goes with the speed of the place that is worked; -1: none"},
+    Help{"flow.full_mm_s", "Speed at which it is full; 0: the line's fastest"},
+    Help{"flow.lag_ms", "How long the flow follows the analog output; the output is ahead by so much"},
 };
 
 Json bounds_of(const KeyAsked& key) {
@@ -145,8 +152,8 @@ Json value_of(const KeyAsked& key) {
 
 std::string unit_of(const std::string& key) {
   constexpr std::array k_units{Help{"_mm_s2", "mm/s2"}, Help{"_mm_s", "mm/s"}, Help{"_mm", "mm"},
-                               Help{"_deg", "degrees"}, Help{"_kg", "kg"},     Help{"_s", "s"},
-                               Help{"_percent", "%"}};
+                               Help{"_deg", "degrees"}, Help{"_kg", "kg"},     Help{"_ms", "ms"},
+                               Help{"_s", "s"},         Help{"_percent", "%"}};
   for (const Help& unit : k_units) {
     if (key.ends_with(unit.path)) return std::string{unit.text};
   }

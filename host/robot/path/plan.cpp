@@ -134,6 +134,11 @@ Remedy find_remedy(const Scene& scene, const Process& process, kinematics::ArmMo
   return remedy;
 }
 
+/// Nothing is left out, so that the first run comes over its own beginning.
+bool is_closed(const Process& process) {
+  return std::ranges::none_of(process.zones, &Zone::left_out);
+}
+
 PlannedPath assembled(const PlanRequest& request, const ToolPath& path, const JointPath& joints,
                       const Timing& timing) {
   PlannedPath out{.robot = request.arm.name,
@@ -142,6 +147,9 @@ PlannedPath assembled(const PlanRequest& request, const ToolPath& path, const Jo
                   .payload = carried(request.process, request.mounted),
                   .motion = request.process.motion,
                   .digital_output = request.process.digital_output,
+                  .flow = request.process.flow,
+                  .standoff_mm = request.process.placement.standoff_mm,
+                  .overlap_mm = is_closed(request.process) ? request.process.motion.overlap_mm : 0,
                   .tool_off = request.tool_off,
                   .tip_u95_mm = request.mounted.tip_u95_mm,
                   .waypoints = {}};

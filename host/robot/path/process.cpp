@@ -185,6 +185,10 @@ void check_stall(YamlReader& reader, const Process& process) {
   for (const Zone& zone : process.zones)
     slowest_mm_s = std::min(slowest_mm_s, zone.speed_ratio * process.motion.speed_mm_s);
   if (process.placement.standoff_mm > 0) slowest_mm_s *= k_least_tip_ratio;
+  const double waits_s = process.flow ? process.flow->gun_on_s + process.flow->dwell_s : 0;
+  if (waits_s > process.follow.stall_s / 2)
+    reader.fault(Errc::BadValue, "flow.dwell_ms",
+                 "with gun_on_ms at most half of follow.stall_s, or the tip seems to stand");
   // Without a speed there is a fault already.
   if (!(slowest_mm_s > 0)) return;
   const double least_s = 2 * k_least_advance_mm / slowest_mm_s;
@@ -193,6 +197,42 @@ void check_stall(YamlReader& reader, const Process& process) {
                FixedText<120>::format("at %s mm/s at least %s s, or the tip seems to stand",
                                       plain_number(slowest_mm_s).c_str(), plain_number(least_s).c_str())
                    .c_str());
+}
+
+/// Along the line, by process and zones.
+double fastest_mm_s(const Process& process) {
+  double ratio = 1;
+  for (const Zone& zone : process.zones) ratio = std::max(ratio, zone.speed_ratio);
+  return ratio * process.motion.speed_mm_s;
+}
+
+Flow read_flow(YamlReader reader, const Process& process) {
+  constexpr double k_s_per_ms = 1e-3;
+  const NumberRange time_ms{.minimum = 0, .maximum = 2000};
+  const double overlap_mm = process.motion.overlap_mm, fastest = fastest_mm_s(process);
+  Flow flow{
+      .gun_on_s = reader.number_or("gun_on_ms", 0, time_ms) * k_s_per_ms,
+      .gun_off_s = reader.number_or("gun_off_ms", 0, time_ms) * k_s_per_ms,
+      .dwell_s = reader.number_or("dwell_ms", 0, time_ms) * k_s_per_ms,
+      .film_overlap_mm = reader.number_or("film_overlap_mm", overlap_mm, {.minimum = 0, .maximum = 100}),
+      .analog_output =
+          static_cast<int>(reader.integer_or("analog_output", -1, {.minimum = -1, .maximum = 1})),
+      .full_mm_s = reader.number_or("full_mm_s", 0, {.minimum = 0, .maximum = 5000}),
+      .lag_s = reader.number_or("lag_ms", 0, {.minimum = 0, .maximum = 500}) * k_s_per_ms};
+  if (flow.film_overlap_mm > overlap_mm)
+    reader.fault(Errc::BadValue, "film_overlap_mm", "at most motion.overlap_mm");
+  if (flow.full_mm_s == 0) flow.full_mm_s = fastest;
+  if (flow.full_mm_s < fastest)
+    reader.fault(Errc::BadValue, "full_mm_s",
+                 FixedText<120>::format("at least the line's fastest, %s mm/s", plain_number(fastest).c_str())
+                     .c_str());
+  return flow;
+}
+
+/// A form that was filled in and emptied leaves a flow without a word.
+bool says_anything(const Flow& flow, double overlap_mm) {
+  return flow.gun_on_s > 0 || flow.gun_off_s > 0 || flow.dwell_s > 0 || flow.analog_output >= 0 ||
+         flow.film_overlap_mm < overlap_mm;
 }
 
 Start read_start(YamlReader& reader) {
@@ -217,6 +257,12 @@ Process read_all(YamlReader& reader) {
     process.foot = foot;
   for (YamlReader& zone : reader.children("zones", k_most_zones))
     process.zones.push_back(read_zone(zone, process));
+  const Flow flow = read_flow(reader.child("flow", false), process);
+  if (says_anything(flow, process.motion.overlap_mm)) {
+    process.flow = flow;
+    if (process.digital_output < 0)
+      reader.fault(Errc::BadValue, "digital_output", "the gun's output, 0 to 7, where there is a flow");
+  }
   check_stall(reader, process);
   return process;
 }

@@ -94,6 +94,18 @@ struct FollowLimits {
   double covered{0.99};         ///< share of the line's waypoints, or the job is not done
 };
 
+/// How much leaves the tool along the line, and when it begins and ends there.  Times in the file are ms.
+struct Flow {
+  double gun_on_s{0};   ///< from its output's switching on until the first of it is on the shoe
+  double gun_off_s{0};  ///< from its switching off until the last of it is
+  double dwell_s{0};    ///< that the tool stands at its beginning then
+  /// Of film on film where the line closes; the rest of the overlap is gone with the gun off.
+  double film_overlap_mm{0};
+  int analog_output{-1};  ///< goes with the speed of the place that is worked; -1: none
+  double full_mm_s{0};    ///< the speed that it is full at; at least the line's fastest
+  double lag_s{0};        ///< of the flow behind the output: the output is ahead by so much
+};
+
 /// What must hold before a path is sent.
 struct GateLimits {
   double scan_age_s{120};  ///< from the scan's end: the shoe may be moved later on
@@ -152,9 +164,10 @@ struct Process {
   FollowLimits follow{};
   GateLimits gate{};
   Start start{Start::Auto};
-  int digital_output{-1};     ///< switched on along the line; -1: none
-  std::string foot{};         ///< that its stretches are told on, left or right; empty: on either one
-  std::vector<Zone> zones{};  ///< where two meet, the first one counts
+  int digital_output{-1};      ///< switched on along the line; -1: none
+  std::optional<Flow> flow{};  ///< none: on from the beginning to the end, at whatever speed
+  std::string foot{};          ///< that its stretches are told on, left or right; empty: on either one
+  std::vector<Zone> zones{};   ///< where two meet, the first one counts
 };
 
 /// Width worked at once, mm: the contact's, or the cone's at the standoff.

@@ -2,8 +2,10 @@
 #include "host/robot/link/ur/script.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "common/core/fixed_text.hpp"
+#include "host/robot/link/ur/flow_script.hpp"
 #include "host/robot/link/ur/units.hpp"
 #include "host/robot/path/checks/program_check.hpp"
 #include "host/robot/path/targets.hpp"
@@ -34,10 +36,6 @@ Line move_text(const char* command, const Waypoint& to, const PlannedPath& path,
   return Line::format("  %s(%s, a=%.4f, v=%.6f, r=%.5f)\n", command, pose_text(to.T_base_tcp).c_str(),
                       to.acceleration_mm_s2.value_or(path.motion.acceleration_mm_s2) / k_mm_per_m,
                       std::max(speed_mm_s, k_least_speed_mm_s) / k_mm_per_m, blend_mm / k_mm_per_m);
-}
-
-Line output_text(int output, bool active) {
-  return Line::format("  set_standard_digital_out(%d, %s)\n", output, active ? "True" : "False");
 }
 
 Line payload_text(const path::Payload& payload) {
@@ -87,7 +85,7 @@ std::string rounded_moves(const char* command, const PlannedPath& path, const pa
 }
 
 /// Ends with its program, whether that comes to its end or is stopped.
-std::string dead_man(int beat_register, int digital_output) {
+std::string dead_man(int beat_register, const ToolOutputs& outputs) {
   std::string text = Line::format("  rtde_set_watchdog(\"input_int_register_%d\", %g, \"stop\")\n",
                                   beat_register, k_watchdog_hz)
                          .c_str();
@@ -100,10 +98,17 @@ std::string dead_man(int beat_register, int digital_output) {
   text += "      local beat = " + std::string{look.view()};
   text += "      if beat == last:\n        still = still + 1\n      else:\n        still = 0\n      end\n";
   text += "      last = beat\n    end\n";
-  if (digital_output >= 0) text += "  " + std::string{output_text(digital_output, false).view()};
+  text += outputs_off(outputs, "    ");
   // The output is set within its frame; the program ends in the next one.
   text += "    sync()\n    halt\n  end\n";
   return text + "  biteline_watch = run biteline_dead_man()\n";
+}
+
+/// Before a run on the line, where the tool stands at its beginning.
+std::string tool_begins(const PlannedPath& path, const path::PathRun& run, bool closes) {
+  if (path.tool_off || path.digital_output < 0) return outputs_off(outputs_of(path));
+  std::string text = Line::format("  set_standard_digital_out(%d, True)\n", path.digital_output).c_str();
+  return path.flow ? text + flow_begins(path, film_end(path, run, closes)) : text;
 }
 
 }  // namespace
@@ -112,25 +117,30 @@ std::string urscript(const path::CheckedPath& checked, const std::optional<int>&
   const PlannedPath& path = checked.path();
   const auto& w = path.waypoints;
   std::string text = std::string{"def "} + k_program_name + "():\n";
-  if (beat_register) text += dead_man(*beat_register, path.digital_output);
+  const ToolOutputs outputs = outputs_of(path);
+  const bool flows = path.flow && !path.tool_off;
+  if (beat_register) text += dead_man(*beat_register, outputs);
   text += Line::format("  set_tcp(%s)\n", pose_text(path.T_flange_tcp).c_str()).view();
   if (path.payload) text += payload_text(*path.payload).view();
   // Whatever an earlier program left on, the arm does not travel with it.
-  if (path.digital_output >= 0) text += output_text(path.digital_output, false).view();
+  text += outputs_off(outputs);
+  if (flows) text += flow_thread(path);
   const double way_rad_s = path.way_there_rad_s.value_or(path.motion.way_there_rad_s);
   for (const kinematics::Joints& via : path.via_rad) text += joint_move_text(via, way_rad_s).view();
   text += joint_move_text(w.front().q_rad, way_rad_s).view();
   std::size_t at = 0;
+  bool closes = path.overlap_mm > 0;
   for (const path::PathRun& run : path::rounded_runs(path)) {
     const bool on_line = w[run.last].segment == Segment::Line;
-    const bool output = on_line && path.digital_output >= 0;
     text += straight_moves(path, at, run.first);
-    if (output) text += output_text(path.digital_output, !path.tool_off).view();
+    if (on_line) text += tool_begins(path, run, std::exchange(closes, false));
     text += rounded_moves(on_line ? "movep" : "movel", path, run);
-    if (output) text += output_text(path.digital_output, false).view();
+    if (on_line && flows) text += flow_ends();
+    if (on_line) text += outputs_off(outputs);
     at = run.last;
   }
   text += straight_moves(path, at, w.size() - 1);
+  if (flows) text += "  kill biteline_flowing\n";
   if (beat_register) text += "  kill biteline_watch\n";
   text += "end\n";
   return text;

@@ -115,11 +115,8 @@ Result<RobotState> to_state(std::span<const rtde::Value> values) {
 
 /// Switches the tool off and brakes with all joints.  URScript: set_standard_digital_out(), stopj() with
 /// rad/s^2.
-std::string stop_program(int digital_output) {
-  std::string program = "def biteline_stop():\n";
-  if (digital_output >= 0)
-    program += "  set_standard_digital_out(" + std::to_string(digital_output) + ", False)\n";
-  return program + "  stopj(2.0)\nend\n";
+std::string stop_program(const ToolOutputs& outputs) {
+  return "def biteline_stop():\n" + outputs_off(outputs) + "  stopj(2.0)\nend\n";
 }
 
 }  // namespace
@@ -293,7 +290,7 @@ Result<void> UrLink::send(const PermittedPath& permitted) {
   if (const Endpoint found = script_.numeric_peer(); found.port != 0) script_at_ = found;
   script_heard_.clear();
   script_lived_ = now();
-  output_ = permitted.path().path().digital_output;
+  outputs_ = outputs_of(permitted.path().path());
   asked_ = false;
   asked_at_ = {};
   remote_.forget();
@@ -318,7 +315,7 @@ Result<std::optional<int>> UrLink::dead_mans_register() const {
 /// Both at once. The output stays on when a program is stopped by a word: a program of its own switches it
 /// off, and replaces whatever still runs should the word not have arrived.
 Result<void> UrLink::stop() {
-  Delivery words[]{door_->stop_word(), {script_, script_at_, stop_program(output_)}};
+  Delivery words[]{door_->stop_word(), {script_, script_at_, stop_program(outputs_)}};
   // What the first ones came to is not known: their connections may be dead without a word.
   if (std::exchange(stops_, stops_ + 1) > 0) {
     for (Delivery& word : words) word.use_fresh();

@@ -12,6 +12,7 @@
 #include "host/robot/link/robot_link.hpp"
 #include "host/robot/link/state_age.hpp"
 #include "host/robot/link/ur/controller_door.hpp"
+#include "host/robot/link/ur/flow_script.hpp"
 #include "host/robot/link/ur/remote_control.hpp"
 #include "host/robot/link/ur/tcp_stream.hpp"
 
@@ -107,7 +108,7 @@ class UrLink final : public RobotLink {
   bool begun_{false};                                      ///< a path's first byte has left
   bool dead_man_{false};                                   ///< the sent program has one
   int stops_{0};                                           ///< since then
-  int output_{-1};                                         ///< that the sent path switches on
+  ToolOutputs outputs_{};                                  ///< that the sent path switches on
   bool asked_{false};  ///< whether it is in remote control, and not answered yet
   HostClock::time_point asked_at_{};
   RemoteControl remote_;

@@ -34,6 +34,9 @@ struct PlannedPath {
   std::optional<Payload> payload{};
   Motion motion;  ///< as the process has it, but for the spacing, which is what the path was made with
   int digital_output{-1};
+  std::optional<Flow> flow{};                 ///< of the process
+  double standoff_mm{0};                      ///< of the place that is worked, from the tip along its axis
+  double overlap_mm{0};                       ///< of the first run on the line with itself; 0: it stays open
   bool tool_off{false};                       ///< the output is switched off where it would be switched on
   std::vector<kinematics::Joints> via_rad{};  ///< postures on the arm's way to the first waypoint (way_there)
   std::optional<double> way_there_rad_s{};    ///< of the joints on it; none: the process's

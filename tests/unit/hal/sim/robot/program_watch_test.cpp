@@ -62,7 +62,7 @@ const char* const k_watched =
 TEST_GROUP(ProgramWatch) {
   ArmKinematics kinematics = *ArmKinematics::named("ur5e");
   Arm arm{kinematics, (JointVector() << 0.1, -1.4, 1.7, -1.8, -1.5, 0.2).finished()};
-  ProgramWatch sut{arm};
+  ProgramWatch sut{arm, 0.002};
   Inputs inputs;
 
   void run(const char* script) {
@@ -117,6 +117,38 @@ TEST(ProgramWatch, SliderAtNothingStopsTheMovesAndNoWatch) {
   const auto cut = cut_at(0, 10, 0.002, 2);
   CHECK(cut.has_value());
   DOUBLES_EQUAL(2.5, *cut, 0.03);
+}
+
+/// The moves go on to the value that the program gave its variable, and the thread sees it from then on.
+TEST(ProgramWatch, AThreadSeesTheProgramsVariablesAndSetsAnalogOutputs) {
+  run("def job():\n  global share = 0.25\n  thread flow():\n    while True:\n"
+      "      set_standard_analog_out(1, share)\n      sync()\n    end\n  end\n"
+      "  flowing = run flow()\n  sleep(1)\n  share = 0.75\n  sleep(1)\n  kill flowing\n"
+      "  set_standard_analog_out(1, 0)\n  sleep(1)\nend\n");
+  CHECK(!cut_at(0, 0.5, 0.002, 0));
+  DOUBLES_EQUAL(0.25, arm.at(at(0.5)).analog_ratio[1], 0);
+  CHECK(!cut_at(0.5, 1.5, 0.002, 0));
+  DOUBLES_EQUAL(0.75, arm.at(at(1.5)).analog_ratio[1], 0);
+  CHECK(!cut_at(1.5, 2.5, 0.002, 0));
+  DOUBLES_EQUAL(0, arm.at(at(2.5)).analog_ratio[1], 0);
+}
+
+/// As a real controller's analog outputs do; a program that takes no time sets them, too.
+TEST(ProgramWatch, AnalogOutputsStayWhenAProgramEndsUntilAnotherOneSetsThem) {
+  run("def job():\n  set_standard_analog_out(0, 0.5)\n  sleep(0.1)\nend\n");
+  arm.stop(at(0.05));
+  DOUBLES_EQUAL(0.5, arm.at(at(1)).analog_ratio[0], 0);
+  const auto read = parse_script("def stop():\n  set_standard_analog_out(0, 0)\n  stopj(2.0)\nend\n");
+  arm.run(*read, at(1));
+  DOUBLES_EQUAL(0, arm.at(at(1)).analog_ratio[0], 0);
+}
+
+TEST(ProgramWatch, AThreadWhoseValueIsNoneHaltsItsProgram) {
+  run("def job():\n  thread t():\n    sleep(0.1)\n    local x = nothing + 1\n  end\n"
+      "  r = run t()\n  sleep(5)\nend\n");
+  const auto cut = cut_at(0, 1, 0.002, 0);
+  CHECK(cut.has_value());
+  DOUBLES_EQUAL(0.1, *cut, 0.005);
 }
 
 TEST(ProgramWatch, CountThatStandsStillTurnsTheToolOffAndHaltsOnBothSeries) {

@@ -44,6 +44,35 @@ TEST(ProcessFile, ShippedProcessesAreValid) {
   DOUBLES_EQUAL(60 * std::numbers::pi / 180, spray.placement.tilt_rad, 1e-12);
 }
 
+TEST(ProcessFile, FlowIsReadInItsUnits) {
+  const auto process =
+      read_changed("gate:",
+                   "flow: {gun_on_ms: 40, gun_off_ms: 25, dwell_ms: 100, film_overlap_mm: 2,\n"
+                   "       analog_output: 1, lag_ms: 30}\ngate:");
+  CHECK(process.has_value());
+  CHECK(process->flow.has_value());
+  DOUBLES_EQUAL(0.040, process->flow->gun_on_s, 1e-12);
+  DOUBLES_EQUAL(0.025, process->flow->gun_off_s, 1e-12);
+  DOUBLES_EQUAL(0.1, process->flow->dwell_s, 1e-12);
+  DOUBLES_EQUAL(2, process->flow->film_overlap_mm, 1e-12);
+  LONGS_EQUAL(1, process->flow->analog_output);
+  DOUBLES_EQUAL(process->motion.speed_mm_s, process->flow->full_mm_s, 1e-12);
+  DOUBLES_EQUAL(0.030, process->flow->lag_s, 1e-12);
+  CHECK_FALSE(read_process(shipped("grind.yaml"))->flow.has_value());
+  CHECK_FALSE(read_changed("digital_output: 0", "flow: {full_mm_s: 90}")->flow.has_value());
+}
+
+/// An output that is full below the line's fastest speed, a film longer than the way that is gone twice, a
+/// flow without a gun, and a wait that the watch over the arm takes for a tip that stands.
+TEST(ProcessFile, AFlowThatCannotBeIsRefused) {
+  for (const char* flow : {"flow: {full_mm_s: 1}", "flow: {film_overlap_mm: 90}", "flow: {analog_output: 2}",
+                           "flow: {dwell_ms: 1900}",
+                           "zones: [{name: a, to_percent: 9, speed_ratio: 2}]\nflow: {full_mm_s: 41}"}) {
+    CHECK_TEXT(!read_changed("gate:", std::string{flow} + "\ngate:"), flow);
+  }
+  CHECK(!read_changed("digital_output: 0", "flow: {gun_on_ms: 5}"));
+}
+
 TEST(ProcessFile, ZonesAreReadInTheirUnits) {
   const auto process = read_changed(
       "gate:",
