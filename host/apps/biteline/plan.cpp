@@ -112,7 +112,7 @@ void add_plan(options::Command& app, Context& context) {
   auto options = std::make_shared<PlanOptions>();
   options::Command* command = app.add_subcommand("plan", "Plan a checked tool path along a line");
   command->add_option("LINE", options->line, "line.csv")->required();
-  command->add_option("--robot", options->robot, "UR3e, UR5e, UR10e, UR3, UR5 or UR10")->required();
+  command->add_option("--robot", options->robot, kinematics::known_arms())->required();
   options::Command* work = command->add_option_group("work", "What is done along the line");
   work->add_option("--process", options->process, "Process YAML: tool, placement, motion");
   work->add_option("--scan", options->scan, "sensor.yaml: the path of a scan by this head");

@@ -12,38 +12,57 @@ constexpr double k_rad_per_deg = std::numbers::pi / 180;
 
 struct Row {
   const char* name;
+  Controller controller;
   DhLengths lengths;
   LinkShape shape;
   std::array<double, k_joints> speed_deg_s;
 };
 
-// Lengths: Universal Robots, "DH parameters for calculations of kinematics and dynamics".
-// Speeds: the arms' user manuals.  Shapes: diameters and offsets of the manuals' drawings, rounded up.
+constexpr DhLengths k_ur5e{162.5, -425, -392.2, 133.3, 99.7, 99.6};
+constexpr DhLengths k_ur10e{180.7, -612.7, -571.55, 174.15, 119.85, 116.55};
+constexpr LinkShape k_shape_ur5e{138, 7, 75, 60, 50, 45};
+constexpr LinkShape k_shape_ur10e{176.2, 39.3, 95, 75, 60, 55};
+constexpr LinkShape k_shape_ur20{260, 43, 123, 91, 76, 60};
+constexpr std::array<double, k_joints> k_slow{120, 120, 180, 180, 180, 180};
+constexpr std::array<double, k_joints> k_slowest{120, 120, 150, 210, 210, 210};
+
+// Lengths: Universal Robots, "DH parameters for calculations of kinematics and dynamics"; of UR16e, UR20 and
+// UR30 as in its description package for ROS 2, as are their joints' speeds and offsets.  A UR7e is built as
+// a UR5e, and a UR12e as a UR10e (the same package; its client library).
+// Speeds: the arms' user manuals.  Shapes: diameters and offsets of the manuals' drawings, rounded up; of
+// UR16e, UR20 and UR30 the extents of that package's collision bodies.
 constexpr std::array k_rows{
     Row{"UR3e",
+        {"UR3", false},
         {151.85, -243.55, -213.2, 131.05, 85.35, 92.1},
         {120, 27, 75, 45, 40, 40},
         {180, 180, 180, 360, 360, 360}},
-    Row{"UR5e",
-        {162.5, -425, -392.2, 133.3, 99.7, 99.6},
-        {138, 7, 75, 60, 50, 45},
-        {180, 180, 180, 180, 180, 180}},
-    Row{"UR10e",
-        {180.7, -612.7, -571.55, 174.15, 119.85, 116.55},
-        {176.2, 39.3, 95, 75, 60, 55},
-        {120, 120, 180, 180, 180, 180}},
+    Row{"UR5e", {"UR5", false}, k_ur5e, k_shape_ur5e, {180, 180, 180, 180, 180, 180}},
+    Row{"UR7e", {"UR5", false}, k_ur5e, k_shape_ur5e, {180, 180, 180, 180, 180, 180}},
+    Row{"UR10e", {"UR10", false}, k_ur10e, k_shape_ur10e, k_slow},
+    Row{"UR12e", {"UR10", false}, k_ur10e, k_shape_ur10e, k_slow},
+    Row{"UR16e",
+        {"UR16", false},
+        {180.7, -478.4, -360, 174.15, 119.85, 116.55},
+        {176, 40, 95, 77, 60, 55},
+        k_slow},
+    Row{"UR20", {"UR20", false}, {236.3, -862, -728.7, 201, 159.3, 154.3}, k_shape_ur20, k_slowest},
+    Row{"UR30", {"UR30", false}, {236.3, -637, -503.7, 201, 159.3, 154.3}, k_shape_ur20, k_slowest},
     Row{"UR3",
+        {"UR3", true},
         {151.9, -243.65, -213.25, 112.35, 85.35, 81.9},
         {119.8, 27, 75, 45, 40, 40},
         {180, 180, 180, 360, 360, 360}},
     Row{"UR5",
+        {"UR5", true},
         {89.159, -425, -392.25, 109.15, 94.65, 82.3},
         {135.85, 16.5, 75, 60, 50, 45},
         {180, 180, 180, 180, 180, 180}},
     Row{"UR10",
+        {"UR10", true},
         {127.3, -612, -572.3, 163.941, 115.7, 92.2},
         {176.2, 45, 95, 75, 60, 55},
-        {120, 120, 180, 180, 180, 180}},
+        k_slow},
 };
 
 // The makers publish none; 5 rad/s^2 is what the controllers of both series follow with a full payload.
@@ -95,6 +114,7 @@ Result<ArmModel> arm_model(std::string_view name) {
   for (const Row& row : k_rows) {
     if (!same_word(row.name, name)) continue;
     return ArmModel{.name = row.name,
+                    .controller = row.controller,
                     .nominal = row.lengths,
                     .T_fixed = nominal_frames(row.lengths),
                     .calibrated = false,
@@ -102,10 +122,22 @@ Result<ArmModel> arm_model(std::string_view name) {
                     .shape = row.shape,
                     .give = joint_give(k_assumed_hz, false)};
   }
+  const std::string asked{name};
+  return fail(Errc::InvalidArgument, "robot %.40s is unknown; known: %s", asked.c_str(),
+              known_arms().c_str());
+}
+
+bool is_told_as(const ArmModel& arm, std::string_view told) {
+  if (same_word(arm.name, told) || same_word(arm.controller.says, told)) return true;
+  // A UR5e's may be told with its letter, too.
+  const bool e_series = !arm.controller.cb3 && !told.empty() && std::tolower(told.back()) == 'e';
+  return e_series && same_word(arm.controller.says, told.substr(0, told.size() - 1));
+}
+
+std::string known_arms() {
   std::string known;
   for (const Row& row : k_rows) known += std::string{known.empty() ? "" : ", "} + row.name;
-  const std::string asked{name};
-  return fail(Errc::InvalidArgument, "robot %.40s is unknown; known: %s", asked.c_str(), known.c_str());
+  return known;
 }
 
 std::vector<std::string> arm_names() {

@@ -49,8 +49,15 @@ struct JointGive {
   bool measured{false};        ///< on this arm; else assumed
 };
 
+/// What an arm's controller says of itself.
+struct Controller {
+  const char* says{""};  ///< the model's name, without the series: "UR5" of a UR5, a UR5e and a UR7e
+  bool cb3{false};       ///< software 3; else 5 or PolyScope X
+};
+
 struct ArmModel {
   std::string name;
+  Controller controller{};
   DhLengths nominal;
   /// Fixed part of each joint's frame in the one before: T_previous_joint = T_fixed * Rz(q).  Nominal until a
   /// factory calibration is applied.
@@ -64,8 +71,12 @@ struct ArmModel {
 /// Of a softest joint that has `softest_hz`: the shoulder carries most, the last wrist the tool alone.
 [[nodiscard]] JointGive joint_give(double softest_hz, bool measured);
 
-/// UR3e UR5e UR10e UR3 UR5 UR10, upper or lower case.
+/// UR3e UR5e UR7e UR10e UR12e UR16e UR20 UR30 UR3 UR5 UR10, upper or lower case.
 [[nodiscard]] Result<ArmModel> arm_model(std::string_view name);
+/// Its controller may say that name.  The software's generation is looked at beside it.
+[[nodiscard]] bool is_told_as(const ArmModel& arm, std::string_view told);
+/// Their names, with commas between.
+[[nodiscard]] std::string known_arms();
 [[nodiscard]] std::vector<std::string> arm_names();
 
 /// The frames that follow from the lengths alone.
