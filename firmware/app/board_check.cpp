@@ -57,6 +57,9 @@ std::string step_for_poses(const hal::BoardPoses& poses, const Result<hal::Robot
       return "start a program that streams the pose of tool0 in wobj0 (EGMStreamStart) " + to_us;
     case hal::BoardPoses::Kind::Rsi:
       return "start a program that switches RSI on, with DEF_RIst, " + to_us;
+    case hal::BoardPoses::Kind::ArmLink:
+      return "start the program's task that tells states at the controller's port " +
+             std::to_string(poses.port);
     case hal::BoardPoses::Kind::Can:
     case hal::BoardPoses::Kind::Encoder:
       break;

@@ -68,9 +68,9 @@ struct BoardLaser {
 };
 
 struct BoardPoses {
-  enum class Kind { Rtde, Can, Encoder, Egm, Rsi } kind{Kind::Rtde};
-  std::string address;        ///< Rtde, Egm, Rsi: the controller's
-  std::uint16_t port{30004};  ///< Rtde: the controller's; Egm, Rsi: ours, where it is heard
+  enum class Kind { Rtde, Can, Encoder, Egm, Rsi, ArmLink } kind{Kind::Rtde};
+  std::string address;        ///< Rtde, Egm, Rsi, ArmLink: the controller's
+  std::uint16_t port{30004};  ///< Rtde, ArmLink: the controller's; Egm, Rsi: ours, where it is heard
   double rate_hz{500};
   bool answers{true};     ///< Rsi: the controller waits for answers
   std::string interface;  ///< Can

@@ -130,7 +130,7 @@ std::optional<BoardLaser> read_laser(YamlReader& parent) {
 BoardPoses read_poses(YamlReader& parent) {
   YamlReader reader = parent.child("poses", true);
   BoardPoses poses;
-  const std::size_t kind = choice<5>(reader, "kind", {"rtde", "can", "encoder", "egm", "rsi"});
+  const std::size_t kind = choice<6>(reader, "kind", {"rtde", "can", "encoder", "egm", "rsi", "arm_link"});
   if (kind == 2) {
     poses.kind = BoardPoses::Kind::Encoder;
     poses.encoder = read_encoder(reader);
@@ -144,6 +144,10 @@ BoardPoses read_poses(YamlReader& parent) {
     poses.address = reader.text("address");
     poses.port = static_cast<std::uint16_t>(reader.integer_or("port", 30004, {1, 65535}));
     poses.rate_hz = reader.number_or("rate_hz", 500, {1, 500});
+  } else if (kind == 5) {
+    poses.kind = BoardPoses::Kind::ArmLink;
+    poses.address = reader.text("address");
+    poses.port = static_cast<std::uint16_t>(reader.integer_or("port", 30401, {1, 65535}));
   } else if (kind >= 3) {
     poses.kind = kind == 3 ? BoardPoses::Kind::Egm : BoardPoses::Kind::Rsi;
     poses.address = reader.text("address");

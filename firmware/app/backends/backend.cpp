@@ -52,9 +52,10 @@ Result<std::unique_ptr<hal::CanBus>> open_can_bus(const std::string& interface) 
 Result<std::unique_ptr<hal::PoseSource>> open_poses(const hal::BoardPoses& poses, const hal::Clock& clock) {
   using enum hal::BoardPoses::Kind;
   const bool heard = poses.kind == Egm || poses.kind == Rsi;
-  return open_by(poses.kind == Rtde ? "rtde"
-                 : heard            ? "udp_poses"
-                                    : "socketcan",
+  return open_by(poses.kind == Rtde      ? "rtde"
+                 : poses.kind == ArmLink ? "arm_link_poses"
+                 : heard                 ? "udp_poses"
+                                         : "socketcan",
                  &Backend::poses, poses, clock);
 }
 

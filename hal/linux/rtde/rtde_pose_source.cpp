@@ -4,22 +4,9 @@
 #include <poll.h>
 
 #include <algorithm>
-#include <ctime>
 #include <utility>
 
 namespace biteline::hal {
-namespace {
-
-/// Until the socket has something (a negative number: until the time is over).
-void wait_for(int number, short events, Nanoseconds timeout) {
-  const Nanoseconds bounded = std::max(timeout, Nanoseconds{0});
-  const std::timespec limit{.tv_sec = bounded.count() / 1'000'000'000,
-                            .tv_nsec = bounded.count() % 1'000'000'000};
-  pollfd watched{.fd = number, .events = events, .revents = 0};
-  static_cast<void>(::ppoll(&watched, 1, &limit, nullptr));
-}
-
-}  // namespace
 
 RtdePoseSource::RtdePoseSource(const Config& config)
     : config_{config},
@@ -35,26 +22,26 @@ Result<std::unique_ptr<RtdePoseSource>> RtdePoseSource::open(const Config& confi
 }
 
 Result<void> RtdePoseSource::start() {
-  if (state_ != PoseState::Idle) return fail(Errc::WrongState, "RTDE pose source is started");
-  state_ = PoseState::Connecting;
+  if (published_.state() != PoseState::Idle) return fail(Errc::WrongState, "RTDE pose source is started");
+  published_.set(PoseState::Connecting);
   retry_at_ = monotonic_now();
   return {};
 }
 
 Result<void> RtdePoseSource::stop() {
   stream_.reset();
-  state_ = PoseState::Idle;
+  published_.set(PoseState::Idle);
   return {};
 }
 
 Result<RobotPose> RtdePoseSource::next_pose(Nanoseconds timeout) {
-  if (state_ == PoseState::Idle) return fail(Errc::WrongState, "RTDE pose source is not started");
+  if (published_.state() == PoseState::Idle) return fail(Errc::WrongState, "RTDE pose source is not started");
   const SensorClock::time_point deadline = monotonic_now() + timeout;
   bool looked = false;  // a timeout of 0 still reads what is there
   while (true) {
     if (std::optional<RobotPose> sample = samples_.take()) {
-      if (std::exchange(made_anew_, false)) reconnects_.fetch_add(1);
-      state_ = PoseState::Streaming;
+      if (std::exchange(made_anew_, false)) published_.add_reconnect();
+      published_.set(PoseState::Streaming);
       last_fault_.reset();
       publish_counts();
       return *std::move(sample);
@@ -88,7 +75,8 @@ Result<void> RtdePoseSource::advance(SensorClock::time_point until) {
   if (now >= patience) {
     return fail(Errc::Timeout, handshaking_ ? "RTDE hand-shake not done" : "RTDE controller is silent");
   }
-  if (state_ == PoseState::Streaming && now >= last_data_ + config_.stale_after) state_ = PoseState::Lost;
+  if (published_.state() == PoseState::Streaming && now >= last_data_ + config_.stale_after)
+    published_.set(PoseState::Lost);
   BITELINE_ASSIGN(const bool connected, stream_->connected());
   if (!connected) {
     wait_for(stream_->number(), POLLOUT, std::min(until, patience) - now);
@@ -121,25 +109,14 @@ void RtdePoseSource::give_up(const Error& fault) {
   last_fault_ = fault;
   stream_.reset();
   retry_at_ = monotonic_now() + config_.retry_after;
-  made_anew_ = state_ != PoseState::Connecting;
-  if (state_ == PoseState::Streaming) state_ = PoseState::Lost;
+  made_anew_ = published_.state() != PoseState::Connecting;
+  if (published_.state() == PoseState::Streaming) published_.set(PoseState::Lost);
 }
 
 void RtdePoseSource::publish_counts() {
   const RtdeSampleCounts& counts = samples_.counts();
-  poses_ = counts.poses;
-  poses_lost_ = counts.poses_lost;
-  poses_rejected_ = counts.poses_rejected;
-  clock_health_.rt_store(hal::clock_health(samples_.clock_health()));
-}
-
-PoseHealth RtdePoseSource::health() const noexcept {
-  return {.state = state_.load(),
-          .poses = poses_.load(),
-          .poses_lost = poses_lost_.load(),
-          .poses_rejected = poses_rejected_.load(),
-          .reconnects = reconnects_.load(),
-          .clock = clock_health_.rt_load().value_or(ClockHealth{})};
+  published_.publish(counts.poses, counts.poses_lost, counts.poses_rejected,
+                     hal::clock_health(samples_.clock_health()));
 }
 
 }  // namespace biteline::hal

@@ -3,17 +3,16 @@
 /// \file PoseSource on a UR controller's real-time port, connecting again by itself.
 
 #include <array>
-#include <atomic>
 #include <memory>
 #include <optional>
 #include <string>
 
-#include "common/rt/latest_value.hpp"
 #include "common/rtde/client_session.hpp"
 #include "hal/api/clock.hpp"
 #include "hal/api/pose_source.hpp"
 #include "hal/linux/rtde/rtde_samples.hpp"
 #include "hal/linux/rtde/tcp_stream.hpp"
+#include "hal/timing/published_poses.hpp"
 
 namespace biteline::hal {
 
@@ -38,7 +37,7 @@ class RtdePoseSource final : public PoseSource {
   [[nodiscard]] Result<void> start() override;
   [[nodiscard]] Result<RobotPose> next_pose(Nanoseconds timeout) override;
   [[nodiscard]] Result<void> stop() override;
-  [[nodiscard]] PoseHealth health() const noexcept override;
+  [[nodiscard]] PoseHealth health() const noexcept override { return published_.health(); }
 
   /// From the owner's thread.
   [[nodiscard]] ClockMapHealth clock_health() const { return samples_.clock_health(); }
@@ -66,12 +65,7 @@ class RtdePoseSource final : public PoseSource {
   SensorClock::time_point last_data_;
   std::optional<Error> last_fault_;
   std::array<std::uint8_t, RtdeSamples::k_burst_bytes> received_bytes_{};
-  std::atomic<PoseState> state_{PoseState::Idle};
-  std::atomic<std::uint64_t> poses_{0};
-  std::atomic<std::uint64_t> poses_lost_{0};
-  std::atomic<std::uint64_t> poses_rejected_{0};
-  std::atomic<std::uint64_t> reconnects_{0};
-  rt::LatestValue<ClockHealth> clock_health_;
+  PublishedPoses published_;
 };
 
 }  // namespace biteline::hal

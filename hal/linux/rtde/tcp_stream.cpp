@@ -7,9 +7,19 @@
 #include <poll.h>
 #include <sys/socket.h>
 
+#include <algorithm>
 #include <cerrno>
+#include <ctime>
 
 namespace biteline::hal {
+
+void wait_for(int number, short events, Nanoseconds timeout) {
+  const Nanoseconds bounded = std::max(timeout, Nanoseconds{0});
+  const std::timespec limit{.tv_sec = bounded.count() / 1'000'000'000,
+                            .tv_nsec = bounded.count() % 1'000'000'000};
+  pollfd watched{.fd = number, .events = events, .revents = 0};
+  static_cast<void>(::ppoll(&watched, 1, &limit, nullptr));
+}
 
 Result<TcpStream> TcpStream::connect(const Peer& peer) {
   sockaddr_in address{};

@@ -12,6 +12,9 @@
 
 namespace biteline::hal {
 
+/// Until the socket has one of poll()'s `events` (a negative number: until the time is over).
+void wait_for(int number, short events, Nanoseconds timeout);
+
 /// Thread: one owner.
 class TcpStream {
  public:

@@ -25,7 +25,7 @@ Result<std::unique_ptr<UdpPoseSource>> UdpPoseSource::open(const Config& config)
 }
 
 Result<void> UdpPoseSource::start() {
-  if (state_ != PoseState::Idle) return fail(Errc::WrongState, "UDP pose source is started");
+  if (published_.state() != PoseState::Idle) return fail(Errc::WrongState, "UDP pose source is started");
   Descriptor socket{::socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0)};
   if (!socket.is_open()) return device_failure(errno, k_device, "socket");
   sockaddr_in here{};
@@ -42,19 +42,19 @@ Result<void> UdpPoseSource::start() {
   peer_port_.reset();
   last_fault_.reset();
   told_.note_silence();
-  state_ = PoseState::Connecting;
+  published_.set(PoseState::Connecting);
   return {};
 }
 
 Result<void> UdpPoseSource::stop() {
   socket_.close();
   bound_port_ = 0;
-  state_ = PoseState::Idle;
+  published_.set(PoseState::Idle);
   return {};
 }
 
 Result<RobotPose> UdpPoseSource::next_pose(Nanoseconds timeout) {
-  if (state_ == PoseState::Idle) return fail(Errc::WrongState, "UDP pose source is not started");
+  if (published_.state() == PoseState::Idle) return fail(Errc::WrongState, "UDP pose source is not started");
   const SensorClock::time_point deadline = monotonic_now() + timeout;
   while (true) {
     const std::optional<Message> message = receive();
@@ -112,8 +112,8 @@ std::optional<RobotPose> UdpPoseSource::take(const Message& message) {
     if (!pose) last_fault_ = fail(Errc::BadValue, "poses of the controller do not go on in time").value();
   }
   if (pose) {
-    if (state_ == PoseState::Lost) reconnects_.fetch_add(1);
-    state_ = PoseState::Streaming;
+    if (published_.state() == PoseState::Lost) published_.add_reconnect();
+    published_.set(PoseState::Streaming);
     last_pose_at_ = received;
     last_fault_.reset();
   }
@@ -130,26 +130,15 @@ void UdpPoseSource::answer(RobotClock::time_point stamp, const sockaddr_in& send
 }
 
 void UdpPoseSource::note_silence(SensorClock::time_point now) {
-  if (state_ != PoseState::Streaming || now < last_pose_at_ + config_.lost_after) return;
-  state_ = PoseState::Lost;
+  if (published_.state() != PoseState::Streaming || now < last_pose_at_ + config_.lost_after) return;
+  published_.set(PoseState::Lost);
   peer_port_.reset();
   told_.note_silence();
 }
 
 void UdpPoseSource::publish_counts() {
-  poses_ = told_.poses();
-  poses_lost_ = told_.lost();
-  poses_rejected_ = told_.rejected() + unreadable_;
-  clock_health_.rt_store(hal::clock_health(told_.clock_health()));
-}
-
-PoseHealth UdpPoseSource::health() const noexcept {
-  return {.state = state_.load(),
-          .poses = poses_.load(),
-          .poses_lost = poses_lost_.load(),
-          .poses_rejected = poses_rejected_.load(),
-          .reconnects = reconnects_.load(),
-          .clock = clock_health_.rt_load().value_or(ClockHealth{})};
+  published_.publish(told_.poses(), told_.lost(), told_.rejected() + unreadable_,
+                     clock_health(told_.clock_health()));
 }
 
 }  // namespace biteline::hal

@@ -5,17 +5,16 @@
 #include <netinet/in.h>
 
 #include <array>
-#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
 
-#include "common/rt/latest_value.hpp"
 #include "hal/api/pose_source.hpp"
 #include "hal/linux/posix/descriptor.hpp"
 #include "hal/linux/udp_poses/told_poses.hpp"
+#include "hal/timing/published_poses.hpp"
 
 namespace biteline::hal {
 
@@ -45,7 +44,7 @@ class UdpPoseSource final : public PoseSource {
   [[nodiscard]] Result<void> start() override;
   [[nodiscard]] Result<RobotPose> next_pose(Nanoseconds timeout) override;
   [[nodiscard]] Result<void> stop() override;
-  [[nodiscard]] PoseHealth health() const noexcept override;
+  [[nodiscard]] PoseHealth health() const noexcept override { return published_.health(); }
   /// Why what came was no pose; nothing once poses come again.
   [[nodiscard]] std::optional<Error> fault() const override { return last_fault_; }
 
@@ -78,12 +77,7 @@ class UdpPoseSource final : public PoseSource {
   std::optional<Error> last_fault_;
   std::uint64_t unreadable_{0};
   std::array<std::uint8_t, 4096> buffer_{};
-  std::atomic<PoseState> state_{PoseState::Idle};
-  std::atomic<std::uint64_t> poses_{0};
-  std::atomic<std::uint64_t> poses_lost_{0};
-  std::atomic<std::uint64_t> poses_rejected_{0};
-  std::atomic<std::uint64_t> reconnects_{0};
-  rt::LatestValue<ClockHealth> clock_health_;
+  PublishedPoses published_;
 };
 
 }  // namespace biteline::hal

@@ -9,7 +9,6 @@
 #include <cerrno>
 #include <memory>
 
-#include "host/apps/biteline-host/controller.hpp"
 #include "host/apps/biteline-host/steps.hpp"
 
 namespace biteline::service {
@@ -72,6 +71,13 @@ Result<std::unique_ptr<robot::ur::ArmClaim>> claim_arm(const RobotOptions& robot
   if (claim->state() == ArmClaim::State::Lacking)
     say_step("the arm at %s cannot be held against services on other machines", rtde.host.c_str());
   return claim;
+}
+
+Result<std::shared_ptr<robot::other::ArmLink>> connect_arm(const HostPort& at) {
+  BITELINE_ASSIGN(std::shared_ptr<robot::other::ArmLink> link,
+                  robot::other::ArmLink::open({.host = at.host, .port = at.port, .may_be_away = true}));
+  if (link->robot()) say_step("holds the arm at %s", link->address().c_str());
+  return link;
 }
 
 }  // namespace biteline::service

@@ -18,6 +18,7 @@
 #include "host/doors/control/server.hpp"
 #include "host/doors/line_control/cycle.hpp"
 #include "host/robot/link/gate/stops.hpp"
+#include "host/robot/link/other/arm_link.hpp"
 #include "host/robot/link/ur/controller_words.hpp"
 
 namespace biteline::service {
@@ -25,11 +26,12 @@ namespace biteline::service {
 struct CockpitConfig {
   std::filesystem::path results;
   StockFolders stock;
-  std::string sensor;                      ///< tcp://HOST:PORT
-  std::string arm;                         ///< UR5e, ...; empty: none
-  std::string controller;                  ///< HOST:PORT; empty: none
-  std::string rtde;                        ///< its real-time port, HOST:PORT; empty: none
-  std::string process;                     ///< its name; empty: none
+  std::string sensor;                              ///< tcp://HOST:PORT
+  std::string arm;                                 ///< UR5e, ...; empty: none
+  std::string controller;                          ///< HOST:PORT; empty: none
+  std::string rtde;                                ///< its real-time port, HOST:PORT; empty: none
+  std::shared_ptr<robot::other::ArmLink> other{};  ///< an arm of another make, in place of that port
+  std::string process;                             ///< its name; empty: none
   std::optional<RerunArm> rerun_arm;       ///< what a scan's path is planned anew with; nothing: none is
   std::optional<wire::Endpoint> endpoint;  ///< where doors come in; nothing: none do
   std::optional<wire::SensorKeys> keys;

@@ -440,12 +440,15 @@ Result<api::TriedPath> Cockpit::try_process(const std::string& scan, const path:
 }
 
 Result<robot::ur::ArmLook> Cockpit::look_at_arm() {
-  if (config_.rtde.empty())
-    return fail(Errc::WrongState, "there is no arm to touch with; start the service with --robot");
+  if (config_.rtde.empty() && !config_.other)
+    return fail(
+        Errc::WrongState,
+        "there is no arm to touch with; start the service with --robot, with --arm-link and --send too");
   {
     const std::lock_guard lock{mutex_};
     if (cell_.arm_will_move()) return fail(Errc::WrongState, "the arm follows a path; touch when it stands");
   }
+  if (config_.other) return robot::ur::look_at_arm(*config_.other);
   BITELINE_ASSIGN(const HostPort rtde, parse_host_port(config_.rtde));
   return robot::ur::look_at_arm(rtde.host, rtde.port);
 }

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "common/core/fixed_text.hpp"
+#include "host/apps/biteline-host/other_controller.hpp"
 #include "host/apps/biteline-host/steps.hpp"
 #include "host/robot/kinematics/chain.hpp"
 #include "host/robot/kinematics/dh_rows.hpp"
@@ -19,15 +20,6 @@
 namespace biteline::service {
 namespace {
 
-/// Of what is looked at again and again: a line that says nothing new of its subject fills logs.
-void say_when_new(const std::string& subject, const std::string& words) {
-  static std::mutex mutex;
-  static std::map<std::string, std::string> said;
-  const std::lock_guard lock{mutex};
-  if (std::exchange(said[subject], words) == words) return;
-  say_step("%s: %s", subject.c_str(), words.c_str());
-}
-
 /// How far the controller's own tip is from that of the arm with its joints.
 double tip_off_mm(const kinematics::ArmModel& arm, const robot::RobotState& state) {
   const SE3 T_base_tcp = kinematics::forward(arm, state.q_rad) * state.T_flange_tcp;
@@ -36,12 +28,21 @@ double tip_off_mm(const kinematics::ArmModel& arm, const robot::RobotState& stat
 
 /// A service that was killed leaves its program running; a scan's own way ends after the scan does.
 Result<void> arm_stands(const ControllerAddress& controller) {
-  BITELINE_ASSIGN(const std::unique_ptr<robot::ur::UrLink> link, open_robot(controller));
+  BITELINE_ASSIGN(const std::shared_ptr<robot::RobotLink> link, open_robot(controller));
   BITELINE_TRY(robot::wait_until_still(*link, {.patience_s = 1}));
   return {};
 }
 
 }  // namespace
+
+/// Of what is looked at again and again: a line that says nothing new of its subject fills logs.
+void say_when_new(const std::string& subject, const std::string& words) {
+  static std::mutex mutex;
+  static std::map<std::string, std::string> said;
+  const std::lock_guard lock{mutex};
+  if (std::exchange(said[subject], words) == words) return;
+  say_step("%s: %s", subject.c_str(), words.c_str());
+}
 
 Result<HostPort> parse_host_port(const std::string& text) {
   const std::size_t colon = text.rfind(':');
@@ -77,8 +78,9 @@ Result<robot::ur::DoorPlaces> doors_of(const ControllerAddress& controller) {
   return places;
 }
 
-Result<std::unique_ptr<robot::ur::UrLink>> open_robot(const ControllerAddress& controller,
-                                                      double connect_patience_s, robot::ur::ArmClaim* claim) {
+Result<std::shared_ptr<robot::RobotLink>> open_robot(const ControllerAddress& controller,
+                                                     double connect_patience_s, robot::ur::ArmClaim* claim) {
+  if (controller.other) return controller.other;
   BITELINE_ASSIGN(const HostPort rtde, parse_host_port(controller.rtde));
   BITELINE_ASSIGN(const HostPort script, parse_host_port(controller.script));
   if (rtde.host != script.host) {
@@ -98,8 +100,8 @@ Result<std::unique_ptr<robot::ur::UrLink>> open_robot(const ControllerAddress& c
 }
 
 ArmSeen see_arm(const ControllerAddress& controller, const kinematics::ArmModel& nominal) {
+  if (controller.other) return see_other_arm(*controller.other, nominal);
   constexpr double k_patience_s = 0.5;
-  constexpr double k_tip_mm = 0.2;  // a controller tells its tip by the same rows; its digits are 0.01 mm
   ArmSeen seen{.arm = nominal};
   const auto say = [&](const std::string& words) { say_when_new("kinematics", words); };
   const auto own = [&]() -> Result<kinematics::ArmModel> {
@@ -123,11 +125,11 @@ ArmSeen see_arm(const ControllerAddress& controller, const kinematics::ArmModel&
         "'s: the controller's tip cannot be compared: " + to_line(state.error()));
     return seen;
   }
-  if (const double off_mm = tip_off_mm(*own, *state); !(off_mm <= k_tip_mm)) {
+  if (const double off_mm = tip_off_mm(*own, *state); !(off_mm <= robot::k_pose_off_mm)) {
     say(std::string{
         FixedText<160>::format("the nominal %.20s's: the controller's tip is %.2f mm from that of its "
                                "own rows (limit %.1f)",
-                               nominal.name.c_str(), off_mm, k_tip_mm)
+                               nominal.name.c_str(), off_mm, robot::k_pose_off_mm)
             .view()});
     return seen;
   }
@@ -162,8 +164,21 @@ void say_tool_difference(const path::Process& process, const SE3& T_flange_tcp) 
   say_when_new("tool", words.empty() ? "the controller's tip is that of " + process.name : words);
 }
 
-ControllerLook look_at_controller(const ControllerAddress& controller, const std::string& arm,
+Result<void> ask_about_itself(const ControllerAddress& controller, const kinematics::ArmModel& arm,
+                              const robot::RobotState& state, robot::ArmFacts& facts) {
+  if (controller.other) return ask_other_arm(*controller.other, arm, state, facts);
+  BITELINE_ASSIGN(const robot::ur::DoorPlaces doors, doors_of(controller));
+  BITELINE_ASSIGN(const robot::ur::ControllerWords words, robot::ur::ask_controller(doors, k_door_patience));
+  facts.told_version = words.version;
+  facts.told_model = words.model;
+  facts.told_serial = words.serial;
+  facts.told_remote = words.remote;
+  return {};
+}
+
+ControllerLook look_at_controller(const ControllerAddress& controller, const kinematics::ArmModel& arm,
                                   const std::string& serial) {
+  if (controller.other) return look_at_other_arm(*controller.other, arm, serial);
   const Result<robot::ur::DoorPlaces> doors = doors_of(controller);
   ControllerLook look{.words = doors
                                    ? robot::ur::ask_controller(*doors, k_door_patience)
@@ -175,7 +190,7 @@ ControllerLook look_at_controller(const ControllerAddress& controller, const std
   }
   say_when_new("robot", robot::ur::summary(*look.words));
   robot::ArmFacts facts;
-  facts.arm = arm;
+  facts.arm = arm.name;
   if (!serial.empty()) facts.serial = serial;
   facts.told_version = look.words->version;
   facts.told_model = look.words->model;

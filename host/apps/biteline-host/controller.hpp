@@ -9,6 +9,8 @@
 #include "common/core/result.hpp"
 #include "common/time/clocks.hpp"
 #include "host/robot/kinematics/arm_model.hpp"
+#include "host/robot/link/gate/gate.hpp"
+#include "host/robot/link/other/arm_link.hpp"
 #include "host/robot/link/ur/controller_door.hpp"
 #include "host/robot/link/ur/ur_link.hpp"
 #include "host/robot/path/process.hpp"
@@ -23,6 +25,10 @@ struct ControllerAddress {
   std::string script;       ///< HOST:PORT
   std::string dashboard;    ///< HOST:PORT; empty: port 29999 of the script's machine
   std::string robot_api{};  ///< HOST:PORT of a PolyScope X; empty: port 80 of the script's machine
+  /// An arm of another make: the service's own connection, which holds it; nothing above counts then.
+  std::shared_ptr<robot::other::ArmLink> other{};
+
+  [[nodiscard]] std::string name() const { return other ? other->address() : script; }
 };
 
 struct HostPort {
@@ -33,9 +39,9 @@ struct HostPort {
 /// "HOST:PORT"; Errc::InvalidArgument.
 [[nodiscard]] Result<HostPort> parse_host_port(const std::string& text);
 
-/// A link to the arm.  `connect_patience_s`: for its first state.  `claim`: of the dead man; outlives the
-/// link.
-[[nodiscard]] Result<std::unique_ptr<robot::ur::UrLink>> open_robot(
+/// A link to the arm, or the one that there is.  `connect_patience_s`: for its first state.  `claim`: of the
+/// dead man; outlives the link.
+[[nodiscard]] Result<std::shared_ptr<robot::RobotLink>> open_robot(
     const ControllerAddress& controller,
     double connect_patience_s = robot::ur::UrLink::Config{}.connect_patience_s,
     robot::ur::ArmClaim* claim = nullptr);
@@ -65,6 +71,12 @@ struct ArmSeen {
 /// Says it in one line when it is new.
 void say_tool_difference(const path::Process& process, const SE3& T_flange_tcp);
 
+/// What the controller says about itself, and of an arm of another make how far its pose is from that of its
+/// joints.  \param state its newest  Errc::ConnectionLost and others: it does not answer
+[[nodiscard]] Result<void> ask_about_itself(const ControllerAddress& controller,
+                                            const kinematics::ArmModel& arm, const robot::RobotState& state,
+                                            robot::ArmFacts& facts);
+
 /// What the controller says about itself before a scan, on stdout too; and whether the arm stands, so that no
 /// light goes on while an older program still moves it.
 struct ControllerLook {
@@ -72,7 +84,10 @@ struct ControllerLook {
   std::string wrong;  ///< what is known to be wrong, and what to do; empty: nothing
   bool moves{false};  ///< it is only that the arm does not stand yet
 };
-[[nodiscard]] ControllerLook look_at_controller(const ControllerAddress& controller, const std::string& arm,
-                                                const std::string& serial);
+[[nodiscard]] ControllerLook look_at_controller(const ControllerAddress& controller,
+                                                const kinematics::ArmModel& arm, const std::string& serial);
+
+/// Says it in one line when it is something new of that subject.
+void say_when_new(const std::string& subject, const std::string& words);
 
 }  // namespace biteline::service

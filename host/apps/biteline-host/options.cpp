@@ -5,6 +5,7 @@
 
 #include "common/options/command.hpp"
 #include "host/cloud/uncertainty/uncertainty_file.hpp"
+#include "host/robot/kinematics/arm_model.hpp"
 #include "host/transfer/library.hpp"
 
 namespace biteline::service {
@@ -49,8 +50,8 @@ ParsedOptions parse_options(int argc, char** argv) {
          "Folder of the factory's releases (biteline-uplink's): once one is in force, each scan takes models "
          "and processes from it alone")
       ->excludes(sample);
-  auto* arm = app.add_option("--robot", robot.arm,
-                             "UR3e, UR5e, UR10e, UR3, UR5 or UR10: plan its path along the line");
+  auto* arm =
+      app.add_option("--robot", robot.arm, kinematics::known_arms() + ": plan its path along the line");
   app.add_option("--process", robot.process, "Process YAML: tool, placement, motion")->needs(arm);
   app.add_option("--natural-hz", robot.natural_hz,
                  "The softest joint's own frequency with the tool, where it was measured [Hz]; else 8")
@@ -70,16 +71,29 @@ ParsedOptions parse_options(int argc, char** argv) {
       ->check(options::number({.minimum = 0, .maximum = 500}, "mm"))
       ->needs(fixture)
       ->capture_default_str();
-  app.add_option("--rtde", robot.rtde, "The controller's real-time port, HOST:PORT")->capture_default_str();
+  auto* arm_link =
+      app.add_option("--arm-link", robot.arm_link,
+                     "An arm of another make, built as --robot: HOST:PORT of its program of the generic arm "
+                     "protocol (usual port: 30400); the ports below are a Universal Robots' arm's")
+          ->needs(arm);
+  app.add_option("--kinematics", robot.kinematics,
+                 "With --arm-link: the arm's own calibration (YAML of the ROS extractor)")
+      ->needs(arm_link);
+  app.add_option("--rtde", robot.rtde, "The controller's real-time port, HOST:PORT")
+      ->capture_default_str()
+      ->excludes(arm_link);
   app.add_option(
          "--script", robot.script,
          "The controller's script port, HOST:PORT; 30001 says why it does not run a program, 30002 does not")
-      ->capture_default_str();
+      ->capture_default_str()
+      ->excludes(arm_link);
   app.add_option("--dashboard", robot.dashboard,
-                 "The controller's dashboard port, HOST:PORT; without: port 29999 beside --script");
+                 "The controller's dashboard port, HOST:PORT; without: port 29999 beside --script")
+      ->excludes(arm_link);
   app.add_option("--robot-api", robot.robot_api,
                  "The Robot API of a PolyScope X, which has no dashboard, HOST:PORT; without: port 80 beside "
-                 "--script, where no dashboard answers");
+                 "--script, where no dashboard answers")
+      ->excludes(arm_link);
   app.add_option("--serial", robot.serial, "The arm's serial number: no other one is sent a path")
       ->needs(arm);
   auto* send =
@@ -89,13 +103,15 @@ ParsedOptions parse_options(int argc, char** argv) {
                  "With --send this service keeps the controller's input_int_register_N, which one client can "
                  "have: a service on another machine is refused; -1: keeps none")
       ->check(options::whole_number(-1, 47))
-      ->capture_default_str();
+      ->capture_default_str()
+      ->excludes(arm_link);
   app.add_option(
          "--clamp-input", robot.clamp_input,
          "The controller's standard digital input, 0 to 7, that is true while the clamp holds the shoe: a "
          "scan stays fresh as long as it has been so without a break")
       ->check(options::whole_number(0, 7))
-      ->needs(arm);
+      ->needs(arm)
+      ->excludes(arm_link);
   app.add_option(
          "--confirm", robot.confirm,
          "A scan's folder, e.g. scan-0007: its path may be sent though the scan was recovered or is of "

@@ -18,6 +18,8 @@ namespace biteline::service {
 struct RobotOptions {
   std::string arm;                ///< UR5e, ...
   std::filesystem::path process;  ///< process YAML
+  std::string arm_link;  ///< an arm of another make: HOST:PORT of the generic protocol; empty: a UR's
+  std::filesystem::path kinematics;  ///< of that arm; empty: as the model has them
   std::string rtde{"127.0.0.1:30004"};
   std::string script{"127.0.0.1:30001"};
   std::string dashboard;             ///< empty: port 29999 of the script's machine

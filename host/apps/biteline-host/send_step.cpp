@@ -244,7 +244,7 @@ Result<ExitStatus> follow_path(const fs::path& folder, const PlanStep& plan, con
   };
 
   BITELINE_ASSIGN(
-      const std::unique_ptr<robot::ur::UrLink> link,
+      const std::shared_ptr<robot::RobotLink> link,
       open_robot(request.controller, robot::ur::UrLink::Config{}.connect_patience_s, request.claim));
   const Result<robot::RobotState> still = robot::wait_until_still(
       *link, {.turn_rad = robot::k_ringing_rad, .move_mm = robot::k_ringing_mm, .mark = request.mark});
@@ -255,8 +255,7 @@ Result<ExitStatus> follow_path(const fs::path& folder, const PlanStep& plan, con
   const path::WayThere way =
       path::find_way_there(still->q_rad, *plan.outcome.path, plan.request.arm, collisions);
   if (!way.path) say_step("%s comes as near as %.1f mm", way.check.detail.c_str(), way.check.value);
-  BITELINE_ASSIGN(const robot::ur::DoorPlaces doors, doors_of(request.controller));
-  BITELINE_ASSIGN(const robot::ur::ControllerWords words, robot::ur::ask_controller(doors, k_door_patience));
+  BITELINE_TRY(ask_about_itself(request.controller, plan.request.arm, *still, inputs.arm));
   // Right before the sending, and before the arm is looked at for the last time.
   inputs.files = files_of(request);
   BITELINE_ASSIGN(const robot::RobotState now, link->latest());
@@ -265,10 +264,6 @@ Result<ExitStatus> follow_path(const fs::path& folder, const PlanStep& plan, con
   inputs.result.path_passed = way.path.has_value();
   inputs.result.way_clearance_mm = way.check.value;
   inputs.arm.asked = true;
-  inputs.arm.told_version = words.version;
-  inputs.arm.told_model = words.model;
-  inputs.arm.told_serial = words.serial;
-  inputs.arm.told_remote = words.remote;
   inputs.arm.q_checked_rad = still->q_rad;
   inputs.arm.q_now_rad = now.q_rad;
   inputs.scan.stopped = request.mark.stopped();
@@ -278,7 +273,7 @@ Result<ExitStatus> follow_path(const fs::path& folder, const PlanStep& plan, con
   // Before anything moves: a decision that cannot be kept is none.
   BITELINE_TRY(robot::write_gate(folder / k_gate_file, inputs));
 
-  say_step("sends the path to %s", request.controller.script.c_str());
+  say_step("sends the path to %s", request.controller.name().c_str());
   robot::FollowReport followed;
   std::future<Result<void>> beside = begin_beside_arm(std::move(meanwhile));
   const Result<void> done = follow_watched(*link, *gate.path, plan, request, followed);

@@ -12,6 +12,7 @@
 #include "host/apps/biteline-host/scan_row.hpp"
 #include "host/apps/biteline-host/service_words.hpp"
 #include "host/records/report/report.hpp"
+#include "host/robot/kinematics/calibration.hpp"
 #include "host/transfer/library.hpp"
 
 namespace biteline::service {
@@ -49,6 +50,9 @@ Result<Service> Service::create(const Options& options, robot::Stops& stops) {
     robot.emplace();
     robot->options = *options.robot;
     BITELINE_ASSIGN(robot->arm, kinematics::arm_model(options.robot->arm));
+    if (!options.robot->kinematics.empty()) {
+      BITELINE_ASSIGN(robot->arm, kinematics::with_calibration(robot->arm, options.robot->kinematics));
+    }
     if (options.robot->natural_hz) robot->arm.give = kinematics::joint_give(*options.robot->natural_hz, true);
     BITELINE_ASSIGN(robot->process, take_process(options.robot->process));
   }
@@ -75,9 +79,15 @@ Result<Service> Service::create(const Options& options, robot::Stops& stops) {
   BITELINE_ASSIGN(report::FileLock results, report::FileLock::take(options.out / k_results_lock, holder));
   Locks locks{.results = std::move(results), .arm = {}, .claim = {}};
   if (options.robot && options.robot->send) {
-    BITELINE_ASSIGN(const HostPort script, parse_host_port(options.robot->script));
-    BITELINE_ASSIGN(locks.arm, hold_arm(script.host, script.port, holder));
-    BITELINE_ASSIGN(locks.claim, claim_arm(*options.robot));
+    const bool is_other = !options.robot->arm_link.empty();
+    BITELINE_ASSIGN(const HostPort at,
+                    parse_host_port(is_other ? options.robot->arm_link : options.robot->script));
+    BITELINE_ASSIGN(locks.arm, hold_arm(at.host, at.port, holder));
+    if (is_other) {
+      BITELINE_ASSIGN(locks.other, connect_arm(at));
+    } else {
+      BITELINE_ASSIGN(locks.claim, claim_arm(*options.robot));
+    }
   }
   BITELINE_ASSIGN(
       std::unique_ptr<Cockpit> cockpit,
@@ -85,8 +95,11 @@ Result<Service> Service::create(const Options& options, robot::Stops& stops) {
                      .stock = stock_folders(options),
                      .sensor = options.sensor.text(),
                      .arm = robot ? robot->arm.name : "",
-                     .controller = robot ? robot->options.script : "",
-                     .rtde = robot ? robot->options.rtde : "",
+                     .controller = !robot                            ? ""
+                                   : robot->options.arm_link.empty() ? robot->options.script
+                                                                     : robot->options.arm_link,
+                     .rtde = robot && robot->options.arm_link.empty() ? robot->options.rtde : "",
+                     .other = locks.other,
                      .process = robot ? robot->process.process.name : "",
                      .rerun_arm = robot ? std::optional{RerunArm{.model = robot->arm,
                                                                  .process = robot->process.process,

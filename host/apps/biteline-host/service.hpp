@@ -163,6 +163,8 @@ class Service {
     report::FileLock results;
     std::optional<report::FileLock> arm;           ///< against others on this machine
     std::unique_ptr<robot::ur::ArmClaim> claim{};  ///< and on any
+    /// An arm of another make, which takes one host at a time: its program is kept connected.
+    std::shared_ptr<robot::other::ArmLink> other{};
   };
 
   Service(Options options, std::optional<wire::HostKeys> keys, std::optional<Robot> robot,
@@ -303,6 +305,8 @@ class Service {
   [[nodiscard]] api::Stock stock_for(const Chosen& chosen) const;
   /// Now, here and below: a scan may have waited for a long time.
   [[nodiscard]] bool holds_arm() const;
+  /// Pre: there is a robot.
+  [[nodiscard]] ControllerAddress controller() const;
   /// What was taught; one that cannot be read is an Error, so that nothing is planned or sent unchecked.
   [[nodiscard]] Result<path::Mounted> mounted() const;
   /// `waits`: it waits for a person in any case, also without a path.

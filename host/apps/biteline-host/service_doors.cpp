@@ -183,8 +183,9 @@ void Service::heed(const Wish& wish) {
 }
 
 Result<void> Service::watch_pendant() {
-  if (!robot_ || !robot_->options.send) return {};
-  BITELINE_ASSIGN(const robot::ur::DoorPlaces doors, doors_of(controller_of(robot_->options)));
+  // By the generic protocol nobody can be asked.
+  if (!robot_ || !robot_->options.send || locks_.other) return {};
+  BITELINE_ASSIGN(const robot::ur::DoorPlaces doors, doors_of(controller()));
   pendant_ = std::make_unique<robot::ur::PendantWatch>(
       robot::ur::PendantWatch::Config{.doors = doors},
       [cockpit = cockpit_.get()] { cockpit->taken_at_the_pendant(); });
@@ -202,8 +203,7 @@ Result<void> Service::watch_clamp() {
 bool Service::robot_ready() {
   if (!robot_ || !robot_->options.send) return true;
   if (!robot_wrong_.empty() && now() - robot_asked_ < k_between_looks) return false;
-  const ControllerLook look =
-      look_at_controller(controller_of(robot_->options), robot_->arm.name, robot_->options.serial);
+  const ControllerLook look = look_at_controller(controller(), robot_->arm, robot_->options.serial);
   robot_asked_ = now();
   robot_wrong_ = look.wrong;
   robot_moves_ = look.moves;

@@ -19,7 +19,14 @@ namespace fs = std::filesystem;
 }  // namespace
 
 bool Service::holds_arm() const {
-  return locks_.arm && (!locks_.claim || locks_.claim->safe());
+  return locks_.arm && (!locks_.claim || locks_.claim->safe()) &&
+         (!locks_.other || locks_.other->status().connected);
+}
+
+ControllerAddress Service::controller() const {
+  ControllerAddress controller = controller_of(robot_->options);
+  controller.other = locks_.other;
+  return controller;
 }
 
 Result<path::Mounted> Service::mounted() const {
@@ -31,7 +38,7 @@ SendRequest Service::send_request(const Scan& scan, const intake::ScanOutcome& o
                                   const path::Mounted& taught) const {
   robot::ScanFacts facts = facts_of(scan, outcome);
   facts.pictures_vouched = line.pictures_vouched;
-  return {.controller = controller_of(robot_->options),
+  return {.controller = controller(),
           .serial = robot_->options.serial,
           .holds_arm = holds_arm(),
           .scan = facts,

@@ -79,7 +79,7 @@ Service::WorkedOut Service::work_out_files(Scan& scan) {
   Result<ExitStatus> status = without_exceptions([&]() -> Result<ExitStatus> {
     // Beside the line, so that the path waits for neither.
     if (robot_ && robot_->options.send)
-      scan.arm_seen = std::async(std::launch::async, see_arm, controller_of(robot_->options), robot_->arm);
+      scan.arm_seen = std::async(std::launch::async, see_arm, controller(), robot_->arm);
     BITELINE_ASSIGN(line, work_out_line(scan, outcome));
     scan.line.reset();
     if (!path_follows()) BITELINE_TRY(line.pages.write(outcome.cloud));

@@ -4,6 +4,7 @@
 #include <CppUTest/TestHarness.h>
 #include <unistd.h>
 
+#include "hal/linux/arm_link_poses/arm_link_pose_source.hpp"
 #include "hal/linux/rtde/rtde_pose_source.hpp"
 #include "hal/linux/socketcan/can_encoder.hpp"
 #include "hal/linux/socketcan/can_pose_source.hpp"
@@ -15,6 +16,7 @@
 #include "hal/sim/bus/bus_devices.hpp"
 #include "hal/sim/bus/bus_server.hpp"
 #include "hal/sim/robot/egm_stream.hpp"
+#include "hal/sim/robot/path_taker.hpp"
 #include "hal/sim/robot/rsi_exchange.hpp"
 #include "hal/sim/robot/ur_controller.hpp"
 #include "tests/hal/conformance/camera.hpp"
@@ -155,6 +157,17 @@ TEST(SimulatedController, PosesByRsiConform) {
   sim::RsiExchange controller = sim::RsiExchange::open({.port = port}).value();
   SensorClock::time_point instant{};
   conformance::check_pose_source(*sut, [&] { controller.step(instant += 4ms, SE3::Identity()); });
+}
+
+TEST(SimulatedController, PosesByTheGenericProtocolConform) {
+  test::note_ran();
+  SE3 T_base_flange = SE3::Identity();
+  T_base_flange.translation() = Vec3{400, 100, 300};
+  sim::Arm arm{*sim::ArmKinematics::named("UR5e"), T_base_flange};
+  const auto controller = sim::PathTaker::open({}, arm).value();
+  const auto sut =
+      hal::ArmLinkPoseSource::open({.controller = {"127.0.0.1", controller->pose_port()}}).value();
+  conformance::check_pose_source(*sut, [] {});
 }
 
 TEST_GROUP(Recording){};

@@ -211,12 +211,13 @@ ORDINARY_TIMED_TEST(ArmLink, APathThatIsTooOldMovesNothing) {
 ORDINARY_TIMED_TEST(ArmLink, AConnectionThatBreaksComesBack) {
   MadeCell cell;
   const std::unique_ptr<other::ArmLink> link = cell.link();
-  STRCMP_EQUAL("made", link->robot().make.c_str());
+  STRCMP_EQUAL("made", link->robot()->make.c_str());
   const std::uint16_t port = cell.controller->port();
   cell.controller.reset();
   const auto patience_ends = hal::monotonic_now() + 20s;
   while (link->latest() && hal::monotonic_now() < patience_ends) std::this_thread::sleep_for(2ms);
   CHECK_FALSE(link->stop().has_value());
+  CHECK_FALSE(link->robot().has_value());
   cell.controller = *sim::PathTaker::open({.port = port}, cell.arm);
   while (!link->latest() && hal::monotonic_now() < patience_ends) std::this_thread::sleep_for(2ms);
   SUCCEEDS(link->latest());
@@ -227,6 +228,85 @@ TEST(ArmLink, AnArmWithSevenJointsIsRefusedByName) {
   MadeCell cell{{.robot = {.make = "other", .model = "seven", .serial = "", .joints = 7}}};
   FAILS_NAMING(Errc::NotSupported, "other seven: 7 joints, six expected",
                other::ArmLink::open({.port = cell.controller->port(), .connect_patience_s = 20}));
+}
+
+/// It is the one host for as long as it lives, and whoever comes later is told so.
+TEST(ArmLink, ASecondHostIsToldThatThereIsOne) {
+  MadeCell cell;
+  std::unique_ptr<other::ArmLink> first = cell.link();
+  const other::ArmLink::Config config{.port = cell.controller->port(), .connect_patience_s = 0.5};
+  FAILS_NAMING(Errc::PeerRefused, "another host is connected", other::ArmLink::open(config));
+  first.reset();
+  // Its connection is found closed within this one's patience.
+  SUCCEEDS(other::ArmLink::open({.port = cell.controller->port(), .connect_patience_s = 20}));
+}
+
+TEST(ArmLink, AControllerThatIsAwayIsCalledOnWhereThatIsWanted) {
+  MadeCell cell;
+  const std::uint16_t port = cell.controller->port();
+  cell.controller.reset();
+  FAILS_NAMING(Errc::ConnectFailed, "no state", other::ArmLink::open({.port = port}));
+  const auto link = other::ArmLink::open({.port = port, .may_be_away = true});
+  SUCCEEDS(link);
+  CHECK_FALSE((*link)->latest().has_value());
+  cell.controller = *sim::PathTaker::open({.port = port}, cell.arm);
+  const auto patience_ends = hal::monotonic_now() + 20s;
+  while (!(*link)->latest() && hal::monotonic_now() < patience_ends) std::this_thread::sleep_for(2ms);
+  SUCCEEDS((*link)->latest());
+}
+
+/// A listener at the wrong port, or a port scanner: the host comes in all the same.
+TEST(ArmLink, WhoSaysNothingIsNoHost) {
+  MadeCell cell;
+  auto silent = ur::TcpStream::connect({"127.0.0.1", cell.controller->port()}, 5s);
+  SUCCEEDS(silent);
+  static_cast<void>(cell.link());
+}
+
+/// What listeners say is not read: no word at their port does anything, and the host's work goes on.
+TEST(ArmLink, AtThePortOfPosesNothingCanBeSaid) {
+  using namespace arm_link;
+  MadeCell cell;
+  auto listener = ur::TcpStream::connect({"127.0.0.1", cell.controller->pose_port()}, 5s);
+  SUCCEEDS(listener);
+  std::uint32_t number = 0;
+  for (const Body& body : {Body{Hello{}}, Body{PathBegin{.path = 1, .points = 1}},
+                           Body{PathPoint{.path = 1, .speed = 10, .acceleration = 10}}, Body{PathEnd{1}},
+                           Body{Go{.path = 1, .sum = 1}}, Body{Stop{}}})
+    SUCCEEDS(listener->write_all(encode(++number, body), 1s));
+  Reader reader;
+  std::vector<std::uint8_t> bytes;
+  int states = 0;
+  for (int turn = 0; turn < 1000 && states < 50; ++turn) {
+    SUCCEEDS(listener->read_some(bytes, 50ms));
+    reader.add(bytes);
+    for (auto received = reader.next(); received && *received; received = reader.next()) {
+      const auto* state = std::get_if<State>(&(*received)->body);
+      CHECK(state != nullptr);
+      CHECK(state->phase == Phase::Idle);
+      ++states;
+    }
+  }
+  CHECK(states >= 50);
+  CHECK_EQUAL(0U, cell.controller->messages_refused());
+  static_cast<void>(cell.link());
+}
+
+/// Its points carry neither the times of a gun nor an analog output: worked without them it would be another
+/// process.
+TEST(ArmLink, AProcessWithAFlowIsNotSent) {
+  path::PlanRequest request = test::plan_request("spray.yaml");
+  request.process.flow = path::Flow{.gun_on_s = 0.04};
+  const path::PlanOutcome outcome = path::plan(request);
+  CHECK(outcome.path.has_value());
+  MadeCell cell;
+  const std::unique_ptr<other::ArmLink> link = cell.link();
+  const Result<RobotState> state = link->latest();
+  SUCCEEDS(state);
+  FAILS_NAMING(Errc::NotSupported, "does not carry the process's flow",
+               link->send(test::permitted(*outcome.path, state->q_rad, cell.said.now())));
+  CHECK_FALSE(link->may_run());
+  CHECK_EQUAL(0U, cell.controller->paths_run());
 }
 
 /// Word for word, as somebody else's host might say them.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// \file The sensor program scans a made shoe with the poses of made ABB and KUKA controllers: its points
-/// must stay on the shoe.
+/// \file The sensor program scans a made shoe with the poses of made ABB and KUKA controllers and of one that
+/// speaks the generic protocol: its points must stay on the shoe.
 #include <CppUTest/TestHarness.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
@@ -19,6 +19,7 @@
 #include "hal/sim/live/live_cell.hpp"
 #include "hal/sim/robot/egm_stream.hpp"
 #include "hal/sim/robot/rsi_exchange.hpp"
+#include "hal/sim/robot/state_teller.hpp"
 #include "hal/sim/shoe/surface_distance.hpp"
 #include "host/intake/sensor_link.hpp"
 #include "host/intake/sensor_process.hpp"
@@ -210,6 +211,27 @@ TIMED_TEST(OtherArms, AScanByRsiLiesOnTheShoe) {
     open("rsi, answers: false", port,
          [controller](SensorClock::time_point instant, const SE3& T_base_flange) {
            controller->step(instant, T_base_flange);
+         });
+    if (!cell) return;
+    outcome = scan();
+  }
+  points_lie_on_the_shoe(outcome);
+}
+
+TIMED_TEST(OtherArms, AScanByTheGenericProtocolLiesOnTheShoe) {
+  Outcome outcome;
+  SE3 T_flange_tcp = SE3::Identity();
+  T_flange_tcp.translation() = Vec3{0, 40, 180};
+  for (int attempt = 0; attempt < k_attempts && !outcome.complete(); ++attempt) {
+    auto controller = std::make_shared<StateTeller>(StateTeller::open(0).value());
+    open("arm_link", controller->port(),
+         [controller, T_flange_tcp](SensorClock::time_point instant, const SE3& T_base_flange) {
+           const Nanoseconds stamp = instant.time_since_epoch() + seconds{100'000};
+           controller->tell({.stamp_us = static_cast<std::uint64_t>(stamp.count() / 1000),
+                             .T_base_tcp = T_base_flange * T_flange_tcp,
+                             .T_flange_tcp = T_flange_tcp,
+                             .powered = true,
+                             .safe = true});
          });
     if (!cell) return;
     outcome = scan();

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "common/core/fixed_text.hpp"
+#include "host/robot/kinematics/arm_model.hpp"
 #include "host/robot/path/mounted.hpp"
 
 namespace biteline::robot {
@@ -211,24 +212,33 @@ bool is_cb3(const std::string& version) {
 
 /// "UR5" is what the controller of a UR5e says, too: the software's generation tells them apart.
 bool is_arm(const ArmFacts& arm, const std::string& told) {
-  const bool wants_e = arm.arm.ends_with('e') || arm.arm.ends_with('E');
-  if (wants_e != !is_cb3(*arm.told_version)) return false;
-  const auto plain = [](std::string name) {
-    if (name.ends_with('e') || name.ends_with('E')) name.pop_back();
-    std::ranges::transform(name, name.begin(),
-                           [](char c) { return c >= 'a' && c <= 'z' ? c - 'a' + 'A' : c; });
-    return name;
-  };
-  return plain(arm.arm) == plain(told);
+  const Result<kinematics::ArmModel> model = kinematics::arm_model(arm.arm);
+  return model && model->controller.cb3 == is_cb3(*arm.told_version) && kinematics::is_told_as(*model, told);
 }
 
-void add_arm_rows(const GateInputs& inputs, std::vector<GateRow>& rows) {
-  const ArmFacts& arm = inputs.arm;
-  const double moved_rad = (arm.q_now_rad - arm.q_checked_rad).cwiseAbs().maxCoeff();
-  const bool finite = arm.q_now_rad.allFinite() && arm.q_checked_rad.allFinite();
-  rows.push_back({Refused::ArmMoved, "arm since the check", text("%.3f degrees", moved_rad * k_deg_per_rad),
-                  text("%.3f degrees", inputs.limits.start_rad * k_deg_per_rad),
-                  when(finite && moved_rad <= inputs.limits.start_rad)});
+bool by_generic_protocol(const ArmFacts& arm) {
+  return arm.pose_off_mm && arm.pose_off_rad;
+}
+
+/// Beyond any number is no number.
+bool poses_agree(const ArmFacts& arm) {
+  return *arm.pose_off_mm <= k_pose_off_mm && *arm.pose_off_rad <= k_pose_off_rad;
+}
+
+/// What an arm of another make is asked: whether it is built as the one that the path was planned for.
+void add_other_makes_rows(const ArmFacts& arm, std::vector<GateRow>& rows) {
+  rows.push_back(
+      {Refused::NotRemote, "remote control", "the arm's protocol does not tell", "on", State::NotKnown});
+  rows.push_back({Refused::OtherArm, "arm",
+                  text("%.60s, its pose %.2f mm and %.3f degrees from that of its joints",
+                       arm.told_model.value_or("not known").c_str(), *arm.pose_off_mm,
+                       *arm.pose_off_rad * k_deg_per_rad),
+                  text("as a %.40s, within %.2f mm and %.3f degrees", arm.arm.c_str(), k_pose_off_mm,
+                       k_pose_off_rad * k_deg_per_rad),
+                  when(poses_agree(arm))});
+}
+
+void add_ur_rows(const ArmFacts& arm, std::vector<GateRow>& rows) {
   const bool cb3 = arm.told_version && is_cb3(*arm.told_version);
   rows.push_back({Refused::NotRemote, "remote control",
                   cb3               ? "a CB3 has none: anybody may send"
@@ -241,6 +251,19 @@ void add_arm_rows(const GateInputs& inputs, std::vector<GateRow>& rows) {
       {Refused::OtherArm, "arm",
        knows_model ? text("%.60s, %.60s", arm.told_model->c_str(), arm.told_version->c_str()) : "not known",
        arm.arm, knows_model ? when(is_arm(arm, *arm.told_model)) : State::NotKnown});
+}
+
+void add_arm_rows(const GateInputs& inputs, std::vector<GateRow>& rows) {
+  const ArmFacts& arm = inputs.arm;
+  const double moved_rad = (arm.q_now_rad - arm.q_checked_rad).cwiseAbs().maxCoeff();
+  const bool finite = arm.q_now_rad.allFinite() && arm.q_checked_rad.allFinite();
+  rows.push_back({Refused::ArmMoved, "arm since the check", text("%.3f degrees", moved_rad * k_deg_per_rad),
+                  text("%.3f degrees", inputs.limits.start_rad * k_deg_per_rad),
+                  when(finite && moved_rad <= inputs.limits.start_rad)});
+  if (by_generic_protocol(arm))
+    add_other_makes_rows(arm, rows);
+  else
+    add_ur_rows(arm, rows);
   rows.push_back({Refused::OtherSerial, "arm's serial number", arm.told_serial.value_or("not known"),
                   arm.serial.value_or("not told"),
                   arm.serial ? when(arm.told_serial == arm.serial) : State::NotKnown});
@@ -302,6 +325,13 @@ std::string failures(const std::vector<GateRow>& rows) {
 }
 
 std::string why_not_ready(const ArmFacts& arm) {
+  if (by_generic_protocol(arm) && !poses_agree(arm)) {
+    return text(
+        "%.50s tells a pose that is %.2f mm and %.3f degrees from a %.20s's with its joints (limits %.2f, "
+        "%.3f): check --robot and --kinematics",
+        arm.told_model.value_or("the arm").c_str(), *arm.pose_off_mm, *arm.pose_off_rad * k_deg_per_rad,
+        arm.arm.c_str(), k_pose_off_mm, k_pose_off_rad * k_deg_per_rad);
+  }
   if (arm.told_model && arm.told_version && !is_arm(arm, *arm.told_model)) {
     return text("the controller is a %.40s's (%.40s), not a %.20s's: check --robot and the addresses",
                 arm.told_model->c_str(), arm.told_version->c_str(), arm.arm.c_str());

@@ -76,12 +76,19 @@ struct ResultFacts {
   std::optional<double> table_from_taught_mm{};  ///< of the height that the path was planned with
 };
 
+/// How far an arm's pose, as its controller tells it, may be from that of its joints by the kinematics that
+/// paths are planned with: the controller tells its tip by rows of its own.
+inline constexpr double k_pose_off_mm = 0.2, k_pose_off_rad = 0.002;
+
 /// As the controller and this host say.  What an old controller cannot say is not known.
 struct ArmFacts {
   std::string arm;                      ///< configured: UR5e, ...
   std::optional<std::string> serial{};  ///< configured
   std::optional<std::string> told_version{}, told_model{}, told_serial{};
   std::optional<bool> told_remote{};
+  /// Of an arm by the generic protocol, which knows neither remote control nor our models: its pose as it
+  /// tells it, from that of its joints.  Nothing: a Universal Robots' arm.
+  std::optional<double> pose_off_mm{}, pose_off_rad{};
   kinematics::Joints q_checked_rad{kinematics::Joints::Zero()};  ///< where its way was checked from
   kinematics::Joints q_now_rad{kinematics::Joints::Zero()};
   bool held{false};  ///< this service holds the arm's lock
@@ -154,8 +161,8 @@ struct GateOutcome {
   std::optional<PermittedPath> path;  ///< present when no row failed
 };
 
-/// What of the arm is known to be wrong before anything is scanned: model, serial number, remote control. One
-/// sentence with what to do; empty: nothing is known to be wrong.
+/// What of the arm is known to be wrong before anything is scanned: model, pose, serial number, remote
+/// control. One sentence with what to do; empty: nothing is known to be wrong.
 [[nodiscard]] std::string why_not_ready(const ArmFacts& arm);
 
 /// `path`: entered by the checked way from where the arm stands; `mark`: of the order that it follows from.

@@ -84,6 +84,8 @@ void visit(const Visit& v, ArmFacts& arm) {
   v("q_now_rad", arm.q_now_rad);
   v("held", arm.held);
   v.since("asked", arm.asked);
+  v.since("pose_off_mm", arm.pose_off_mm);
+  v.since("pose_off_rad", arm.pose_off_rad);
 }
 
 template <class Visit>

@@ -29,6 +29,27 @@ Nanoseconds from_seconds(double seconds) {
   return Nanoseconds{static_cast<std::int64_t>(std::llround(seconds * 1e9))};
 }
 
+/// A connection that ends is made anew; the host before this one may not be gone yet.
+bool is_passing(Errc code) {
+  return code == Errc::ConnectionLost || code == Errc::PeerRefused;
+}
+
+bool is_away(Errc code) {
+  return code == Errc::ConnectionLost || code == Errc::ConnectFailed || code == Errc::Timeout;
+}
+
+/// Why a connection is none of ours.
+Result<void> may_serve(const arm_link::Received& received) {
+  if (const auto* refusal = std::get_if<arm_link::Refusal>(&received.body);
+      refusal != nullptr && refusal->of == 0)
+    return fail(Errc::PeerRefused, "%s", arm_link::name_of(refusal->reason));
+  const auto* robot = std::get_if<arm_link::Robot>(&received.body);
+  if (robot != nullptr && robot->joints != arm_link::k_joints)
+    return fail(Errc::NotSupported, "%.24s %.24s: %u joints, six expected", robot->make.c_str(),
+                robot->model.c_str(), robot->joints);
+  return {};
+}
+
 RobotState to_state(const arm_link::State& told) {
   RobotState state;
   state.sampled = RobotClock::time_point{Nanoseconds{static_cast<std::int64_t>(told.stamp_us) * 1000}};
@@ -52,13 +73,14 @@ Result<std::unique_ptr<ArmLink>> ArmLink::open(const Config& config) {
   link->paths_ = std::random_device{}();
   link->thread_ = std::thread{[raw = link.get()] { raw->run(); }};
   std::unique_lock lock{link->mutex_};
-  const auto hopeless = [&] { return link->fault_ && link->fault_->code != Errc::ConnectionLost; };
+  const auto may_come = [&] { return !link->fault_ || is_passing(link->fault_->code); };
   link->changed_.wait_for(lock, from_seconds(config.connect_patience_s),
-                          [&] { return link->state_.sequence > 0 || hopeless(); });
+                          [&] { return link->state_.sequence > 0 || !may_come(); });
   if (link->state_.sequence > 0) return link;
   const Errc code = link->fault_ ? link->fault_->code : Errc::Timeout;
   const std::string why = link->fault_ ? to_line(*link->fault_) : "";
   lock.unlock();
+  if (config.may_be_away && is_away(code)) return link;
   return fail(code, "%.60s:%u: no state%s%.150s", config.host.c_str(), static_cast<unsigned>(config.port),
               why.empty() ? "" : ": ", why.c_str());
 }
@@ -94,14 +116,13 @@ Result<void> ArmLink::serve_connection() {
     while (true) {
       BITELINE_ASSIGN(const std::optional<arm_link::Received> received, reader.next());
       if (!received) break;
-      const auto* robot = std::get_if<arm_link::Robot>(&received->body);
-      if (robot != nullptr && robot->joints != arm_link::k_joints)
-        return fail(Errc::NotSupported, "%.24s %.24s: %u joints, six expected", robot->make.c_str(),
-                    robot->model.c_str(), robot->joints);
+      BITELINE_TRY(may_serve(*received));
       hear(*received);
-      if (std::holds_alternative<arm_link::State>(received->body)) heard = now();
+      if (std::holds_alternative<arm_link::State>(received->body) && robot()) heard = now();
     }
-    if (now() - heard > k_silent) return fail(Errc::ConnectionLost, "%.60s: silent", config_.host.c_str());
+    if (now() - heard > k_silent)
+      return fail(Errc::ConnectionLost, "%.60s: %s", config_.host.c_str(),
+                  robot() ? "silent" : "it does not say which robot it is; is another host connected?");
   }
   return {};
 }
@@ -129,6 +150,7 @@ void ArmLink::hear(const arm_link::Received& received) {
 void ArmLink::publish(const arm_link::State& told) {
   {
     const std::lock_guard lock{mutex_};
+    if (!robot_) return;
     RobotState state = to_state(told);
     state.age_s = age_.take(state);
     state.sequence = state_.sequence + 1;
@@ -144,6 +166,7 @@ void ArmLink::publish(const arm_link::State& told) {
 void ArmLink::note_connection(Stream stream) {
   const std::scoped_lock lock{say_mutex_, mutex_};
   said_ = 0;
+  robot_.reset();
   stream_ = std::move(stream);
 }
 
@@ -151,6 +174,7 @@ void ArmLink::note_disconnected(const Error& error) {
   {
     const std::lock_guard lock{mutex_};
     status_.connected = false;
+    robot_.reset();
     fault_ = error;
     status_.last_error = to_line(error);
   }
@@ -210,6 +234,8 @@ Result<arm_link::PathSum> ArmLink::wait_for_sum(std::uint32_t name) const {
 }
 
 Result<void> ArmLink::may_send(const PermittedPath& permitted) const {
+  if (permitted.path().path().flow)
+    return fail(Errc::NotSupported, "robot: the generic protocol does not carry the process's flow");
   BITELINE_ASSIGN(const RobotState state, latest());
   if (state.safety == Safety::Stopped) return fail(Errc::InterlockOpen, "robot: its safety system holds it");
   if (!state.powered) return fail(Errc::PeerRefused, "robot: not powered or brakes on");
@@ -255,7 +281,7 @@ void ArmLink::beat() {
   static_cast<void>(say(arm_link::Beat{}, k_beat_patience));
 }
 
-arm_link::Robot ArmLink::robot() const {
+std::optional<arm_link::Robot> ArmLink::robot() const {
   const std::lock_guard lock{mutex_};
   return robot_;
 }

@@ -27,15 +27,20 @@ class ArmLink final : public RobotLink {
     std::string host{"127.0.0.1"};
     std::uint16_t port{arm_link::k_usual_port};
     double connect_patience_s{2};
+    /// A controller that is away, or boots, is no failure of open(): it is called on and on.
+    bool may_be_away{false};
   };
-  /// Fails when no usable state comes in time, and when the arm has not six joints.
+  /// Fails when no usable state comes in time, when the arm has not six joints, and with Errc::PeerRefused
+  /// where another host is connected all the time.
   [[nodiscard]] static Result<std::unique_ptr<ArmLink>> open(const Config& config);
   ~ArmLink() override;
   ArmLink(const ArmLink&) = delete;
   ArmLink& operator=(const ArmLink&) = delete;
 
-  /// What the controller said it is, last.
-  [[nodiscard]] arm_link::Robot robot() const;
+  /// What the controller says it is; nothing: not connected, or it has not said so.
+  [[nodiscard]] std::optional<arm_link::Robot> robot() const;
+  /// HOST:PORT
+  [[nodiscard]] std::string address() const { return config_.host + ":" + std::to_string(config_.port); }
 
   [[nodiscard]] Result<RobotState> latest() const override;
   [[nodiscard]] Result<RobotState> wait_newer(std::uint64_t sequence, Nanoseconds patience) const override;
@@ -56,6 +61,7 @@ class ArmLink final : public RobotLink {
   explicit ArmLink(const Config& config) : config_{config} {}
   void run();
   [[nodiscard]] Result<void> serve_connection();
+  /// Pre: what it takes for a connection of ours.
   void hear(const arm_link::Received& received);
   void publish(const arm_link::State& told);
   void note_connection(Stream stream);
@@ -77,7 +83,7 @@ class ArmLink final : public RobotLink {
   Stream stream_;  ///< nullptr: none
   RobotState state_;
   LinkStatus status_;
-  arm_link::Robot robot_;
+  std::optional<arm_link::Robot> robot_;  ///< of this connection: before it no state counts
   std::optional<Error> fault_;
   std::optional<arm_link::PathSum> sum_;  ///< told since the last path's beginning
   std::optional<arm_link::Refusal> refusal_;

@@ -18,7 +18,11 @@ Result<ArmLook> look_at_arm(const std::string& host, std::uint16_t rtde_port) {
     link = UrLink::open(config);
   }
   if (!link) return tl::unexpected<Error>{link.error()};
-  const Result<RobotState> state = wait_until_still(**link, {.patience_s = 1});
+  return look_at_arm(**link);
+}
+
+Result<ArmLook> look_at_arm(const RobotLink& link) {
+  const Result<RobotState> state = wait_until_still(link, {.patience_s = 1});
   if (!state && state.error().code == Errc::Timeout)
     return fail(Errc::WrongState, "%.200s; touch when it stands", state.error().where.c_str());
   if (!state) return tl::unexpected<Error>{state.error()};

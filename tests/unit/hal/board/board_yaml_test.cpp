@@ -130,6 +130,13 @@ TEST(BoardYaml, PosesOfOtherMakersHaveTheControllersAddressAndOurPort) {
   CHECK(egm->poses.kind == BoardPoses::Kind::Egm);
   STRCMP_EQUAL("192.168.125.1", egm->poses.address.c_str());
   CHECK_EQUAL(6510, egm->poses.port);
+  const Result<Board> link = with("{kind: arm_link, address: 192.168.125.1}");
+  CHECK(link->poses.kind == BoardPoses::Kind::ArmLink);
+  STRCMP_EQUAL("192.168.125.1", link->poses.address.c_str());
+  CHECK_EQUAL(30401, link->poses.port);
+  CHECK_EQUAL(7, with("{kind: arm_link, address: 192.168.125.1, port: 7}")->poses.port);
+  CHECK_FALSE(with("{kind: arm_link, port: 7}").has_value());
+  CHECK_FALSE(with("{kind: arm_link, address: 192.168.125.1, answers: true}").has_value());
   const Result<Board> rsi = with("{kind: rsi, address: 192.168.1.20, port: 49152}");
   CHECK(rsi->poses.kind == BoardPoses::Kind::Rsi);
   CHECK(rsi->poses.answers);

@@ -24,7 +24,7 @@ TEST_GROUP(ControllerLook) {
             .dashboard = at(controller.dashboard_port())};
   }
   ControllerLook look() const {
-    return look_at_controller(address(), "UR5e", "");
+    return look_at_controller(address(), *kinematics::arm_model("UR5e"), "");
   }
 };
 
