@@ -13,7 +13,8 @@ struct SeamStep {
   double moved_mm{0};  ///< of the place of the outline that moved farthest, if the shoe moved as one in plan
 };
 
-/// Sound scans read 0.36 mm at most, those on the softest arms (docs/line.md).
+/// Sound scans have read 0.36 mm at most, those on the softest arms; in the light of a real laser 0.27
+/// (docs/line.md).
 inline constexpr double k_most_moved_mm = 0.5;
 
 /// Why a scan with such a step gets no line.

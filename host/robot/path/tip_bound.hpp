@@ -35,6 +35,6 @@ struct TipParts {
 
 /// Of the largest true distance over the sum, as bound_factor.py finds them in bench_tip's rows
 /// (docs/robot-path.md): the bound's factor; mean and standard deviation.
-inline constexpr double k_bound_factor = 1.27, k_mean_ratio = 0.75, k_ratio_sigma = 0.21;
+inline constexpr double k_bound_factor = 1.46, k_mean_ratio = 0.77, k_ratio_sigma = 0.27;
 
 }  // namespace biteline::path
