@@ -14,9 +14,9 @@
 #include <string>
 #include <vector>
 
+#include "hal/sim/glue/film.hpp"
 #include "hal/sim/live/reachable_scan.hpp"
 #include "hal/sim/record/surroundings.hpp"
-#include "hal/sim/work/film.hpp"
 #include "host/robot/link/ur/flow_script.hpp"
 #include "host/robot/link/ur/script.hpp"
 #include "host/robot/path/plan.hpp"

@@ -8,8 +8,8 @@
 #include <cmath>
 #include <memory>
 
+#include "hal/sim/glue/film.hpp"
 #include "hal/sim/robot/program_watch.hpp"
-#include "hal/sim/work/film.hpp"
 #include "host/robot/link/ur/script.hpp"
 #include "tests/unit/host/robot/link/planned.hpp"
 

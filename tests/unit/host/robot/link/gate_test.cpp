@@ -383,69 +383,6 @@ TEST(Gate, EvidenceIsKeptInTheFileAndReadStrictly) {
   }
 }
 
-TEST(Gate, Cb3HasNoRemoteControlAndSaysSo) {
-  GateInputs inputs = test::good_inputs();
-  inputs.arm.arm = "UR5";
-  inputs.arm.told_version = "URSoftware 3.15.4.106291 (Apr 16 2021)";
-  inputs.arm.told_remote.reset();
-  CHECK(opens(inputs));
-  bool said = false;
-  for (const GateRow& row : judge(inputs))
-    said = said || row.value.find("a CB3 has none") != std::string::npos;
-  CHECK(said);
-}
-
-/// What their controllers say, as their maker's own client has it.
-TEST(Gate, EachModelIsKnownByWhatItsControllerSays) {
-  const struct {
-    const char *arm, *told, *version;
-    bool opens;
-  } k_cases[]{{"UR7e", "UR5", "URSoftware 5.22.0", true},     {"UR12e", "UR10", "URSoftware 5.22.0", true},
-              {"UR7e", "UR7e", "PolyScope X 10.11.0", true},  {"UR16e", "UR16", "URSoftware 5.12.0", true},
-              {"UR20", "UR20", "PolyScope X 10.11.0", true},  {"UR30", "UR30", "URSoftware 5.22.0", true},
-              {"UR30", "UR20", "URSoftware 5.22.0", false},   {"UR20", "UR20", "URSoftware 3.15.4.1", false},
-              {"UR12e", "UR10", "URSoftware 3.15.4.1", false}};
-  for (const auto& one : k_cases) {
-    GateInputs inputs = test::good_inputs();
-    inputs.arm.arm = one.arm;
-    inputs.arm.told_model = one.told;
-    inputs.arm.told_version = one.version;
-    CHECK_EQUAL_TEXT(one.opens, opens(inputs), one.arm);
-  }
-}
-
-/// It knows no remote control and no model of ours: it is sent to where its pose is that of its joints.
-TEST(Gate, ArmByTheGenericProtocolIsHeldAgainstItsPose) {
-  const auto other = [](double off_mm, double off_rad) {
-    GateInputs inputs = test::good_inputs();
-    inputs.arm.told_version.reset();
-    inputs.arm.told_remote.reset();
-    inputs.arm.told_model = "made of another make";
-    inputs.arm.pose_off_mm = off_mm;
-    inputs.arm.pose_off_rad = off_rad;
-    return inputs;
-  };
-  CHECK(opens(other(0.19, 0.0019)));
-  STRCMP_EQUAL("", why_not_ready(other(0.19, 0.0019).arm).c_str());
-  for (const auto& [off_mm, off_rad] :
-       {std::pair{0.21, 0.0}, std::pair{0.0, 0.0021}, std::pair{k_nan, 0.0}, std::pair{0.0, k_nan}}) {
-    const GateInputs inputs = other(off_mm, off_rad);
-    CHECK_FALSE(opens(inputs));
-    for (const GateRow& row : judge(inputs))
-      CHECK_EQUAL(row.code == Refused::OtherArm, row.state == GateRow::State::Failed);
-    STRCMP_CONTAINS("made of another make tells a pose", why_not_ready(inputs.arm).c_str());
-  }
-  GateInputs inputs = other(0.01, 0.0001);
-  inputs.arm.serial = "7";
-  inputs.arm.told_serial = "8";
-  STRCMP_CONTAINS("serial number 8, not 7", why_not_ready(inputs.arm).c_str());
-  CHECK_FALSE(opens(inputs));
-  SUCCEEDS(write_gate(file(), inputs));
-  const auto read = read_gate(file());
-  SUCCEEDS(read);
-  DOUBLES_EQUAL(0.0001, *read->inputs.arm.pose_off_rad, 0);
-}
-
 TEST(Gate, UncertaintyAndApprovalAreNotKnownAndNotInTheWayUntilAskedFor) {
   int not_known = 0;
   for (const GateRow& row : judge(test::good_inputs())) {

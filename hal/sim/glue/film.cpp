@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "hal/sim/work/film.hpp"
+#include "hal/sim/glue/film.hpp"
 
 #include <cstdint>
 

@@ -5,8 +5,8 @@
 #include <memory>
 #include <vector>
 
+#include "hal/sim/glue/glue_gun.hpp"
 #include "hal/sim/robot/program.hpp"
-#include "hal/sim/work/glue_gun.hpp"
 
 namespace biteline::sim {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "hal/sim/work/glue_gun.hpp"
+#include "hal/sim/glue/glue_gun.hpp"
 
 #include <CppUTest/TestHarness.h>
 
