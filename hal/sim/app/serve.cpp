@@ -5,6 +5,10 @@
 #include <cmath>
 #include <csignal>
 #include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <map>
 #include <memory>
 #include <optional>
 
@@ -15,6 +19,7 @@
 #include "hal/sim/bus/board_file.hpp"
 #include "hal/sim/live/live_cell.hpp"
 #include "hal/sim/record/files.hpp"
+#include "hal/sim/robot/program_text.hpp"
 
 namespace biteline::cell {
 
@@ -29,6 +34,8 @@ struct ServeOptions {
   std::string arm{"ur10e"};
   std::uint16_t rtde_port{0}, script_port{0}, dashboard_port{0}, robot_api_port{0}, primary_port{0};
   std::string controller{"e-series"};
+  std::string remote_control{"on"};
+  std::string programs;
   int robot_rate_hz{500};
   double speed_slider{1};
   std::uint64_t arm_seed{1};
@@ -73,6 +80,26 @@ void print_counts(const sim::LiveCounts& counts) {
       number(counts.scripts_refused), number(counts.bus_messages_dropped));
 }
 
+/// Each `name.script` of `folder`, as "name.urp" to a dashboard and as "name" to the Robot API.
+Result<std::map<std::string, std::string>> read_programs(const std::filesystem::path& folder) {
+  std::map<std::string, std::string> programs;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+    if (entry.path().extension() != ".script") continue;
+    std::ifstream file(entry.path());
+    const std::string text{std::istreambuf_iterator<char>(file), {}};
+    const auto program = sim::parse_program(text);
+    if (!program) {
+      return fail(Errc::BadFormat, "%s: %s", entry.path().filename().c_str(),
+                  to_line(program.error()).c_str());
+    }
+    const std::string name = entry.path().stem();
+    programs[name] = programs[name + ".urp"] = text;
+  }
+  if (error) return fail_errno(Errc::FileNotFound, error.value(), "%s", folder.c_str());
+  return programs;
+}
+
 Result<void> serve(const ServeOptions& options) {
   // Before any thread exists, so that the signals arrive at sigwait() below and nowhere else.
   sigset_t signals;
@@ -113,6 +140,10 @@ Result<void> serve(const ServeOptions& options) {
   settings.robot.primary_port = options.primary_port;
   if (options.controller == "cb3") settings.robot.version = {3, 15, 8};
   if (options.controller == "x") settings.robot.version = {10, 14, 0};
+  settings.robot.remote_control_enabled = options.remote_control != "disabled";
+  if (!options.programs.empty()) {
+    BITELINE_ASSIGN(settings.robot.programs, read_programs(options.programs));
+  }
   settings.robot.rate_hz = options.robot_rate_hz;
   settings.robot.speed_slider_ratio = options.speed_slider;
   settings.arm_seed = options.arm_seed;
@@ -126,6 +157,7 @@ Result<void> serve(const ServeOptions& options) {
                  "one, or the head goes higher\n",
                  cell->moved_because().c_str());
   }
+  if (options.remote_control == "local") cell->robot().set_remote_control(false);
   const std::filesystem::path out(options.out);
   BITELINE_TRY(sim::write_truth(out / "truth", cell->scene()));
   BITELINE_TRY(sim::write_file(
@@ -188,6 +220,14 @@ void add_serve(options::Command& app, Context& context) {
                    "cb3, e-series or x: a PolyScope X has the Robot API in the dashboard's place")
       ->capture_default_str()
       ->check(options::one_of({"cb3", "e-series", "x"}));
+  command
+      ->add_option("--remote-control", options->remote_control,
+                   "on, local: it takes no programs, or disabled: it says that it is not in remote control, "
+                   "and takes them")
+      ->capture_default_str()
+      ->check(options::one_of({"on", "local", "disabled"}));
+  command->add_option("--programs", options->programs,
+                      "Folder of programs, name.script each, that clients may load as name.urp or name");
   command->add_option("--primary-port", options->primary_port, "0: a free one; a real controller has 30001")
       ->default_str("0");
   command->add_option("--robot-rate-hz", options->robot_rate_hz, "500: e series, 125: CB3")

@@ -54,7 +54,8 @@ std::vector<FilmStep> lay_film(const std::shared_ptr<const Program>& program, co
     const double ratio =
         tool.analog_output < 0 ? 0 : program->analog_at(time_s)[static_cast<std::size_t>(tool.analog_output)];
     terminals.take(wanted, ratio);
-    static_cast<void>(threads.step(time_s, time_s, world));
+    static_cast<void>(threads.tell_until(time_s, time_s));
+    static_cast<void>(threads.step(time_s, world));
     const Vec3 now = spot();
     const double out = gun.step(step_s, terminals.gun, terminals.analog_ratio);
     steps.push_back({.time_s = time_s,

@@ -30,7 +30,7 @@ Result<void> CellTrack::write(const std::filesystem::path& file) const {
   for (const TrackRow& row : rows_) {
     const Vec3 p = row.T_base_tcp.translation();
     const Eigen::Quaterniond q(row.T_base_tcp.linear());
-    std::fprintf(out, "%lld,%.5f,%.5f,%.5f,%.9f,%.9f,%.9f,%.9f,%d,%d,%d,%.4g\n",
+    std::fprintf(out, "%lld,%.5f,%.5f,%.5f,%.9f,%.9f,%.9f,%.9f,%d,%u,%d,%.4g\n",
                  static_cast<long long>(row.stamp.count()), p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z(),
                  row.program ? 1 : 0, row.outputs, row.scans ? 1 : 0, row.time_ratio);
   }

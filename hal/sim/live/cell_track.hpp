@@ -16,7 +16,7 @@ struct TrackRow {
   Nanoseconds stamp;  ///< robot clock
   SE3 T_base_tcp;
   bool program;
-  std::uint8_t outputs;
+  std::uint32_t outputs;
   bool scans;         ///< ScanActive is high
   double time_ratio;  ///< of real time, at which it goes (slow_motion.hpp)
 };

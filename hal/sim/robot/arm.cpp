@@ -12,12 +12,12 @@ double seconds(Nanoseconds time) {
   return static_cast<double>(time.count()) * 1e-9;
 }
 
-std::uint8_t with_output(std::uint8_t bits, int number, bool on) {
-  const auto bit = static_cast<std::uint8_t>(1U << static_cast<unsigned>(number));
-  return static_cast<std::uint8_t>(on ? bits | bit : bits & ~bit);
+std::uint32_t with_output(std::uint32_t bits, int number, bool on) {
+  const std::uint32_t bit = 1U << static_cast<unsigned>(number);
+  return on ? bits | bit : bits & ~bit;
 }
 
-void put(const OutputStep& output, std::uint8_t& digital, std::array<double, 2>& analog_ratio) {
+void put(const OutputStep& output, std::uint32_t& digital, std::array<double, 2>& analog_ratio) {
   if (const auto* set = std::get_if<DigitalOutStep>(&output)) {
     digital = with_output(digital, set->number, set->active);
   } else {
@@ -69,6 +69,7 @@ ArmState Arm::at(SensorClock::time_point instant) const {
   } else if (program_) {
     const double program_s = std::max(0.0, program_time_s(instant));
     state.moving = state.program_running = time_s >= 0 && program_s < program_->duration_s();
+    state.paused = state.program_running && paused_;
     state.T_base_flange = program_->T_base_flange_at(program_s);
     state.T_flange_tcp = program_->T_flange_tcp_at(program_s);
     state.outputs = program_->outputs_at(program_s);
@@ -88,15 +89,26 @@ double Arm::program_time_s(SensorClock::time_point instant) const {
   const auto after = std::ranges::upper_bound(paces_, instant, {}, &Pace::since);
   if (after == paces_.begin()) return seconds(instant - begin_);
   const Pace& pace = *(after - 1);
+  if (pace.paused) return pace.program_s;
   return program_->later_s(pace.program_s, seconds(instant - pace.since), pace.ratio);
 }
 
 void Arm::set_speed(double ratio, SensorClock::time_point instant) {
   const std::lock_guard lock(mutex_);
-  if (ratio == std::exchange(speed_ratio_, ratio) || !program_) return;
+  if (ratio != std::exchange(speed_ratio_, ratio)) change_pace(instant);
+}
+
+void Arm::set_paused(bool on, SensorClock::time_point instant) {
+  const std::lock_guard lock(mutex_);
+  if (on != std::exchange(paused_, on)) change_pace(instant);
+}
+
+void Arm::change_pace(SensorClock::time_point instant) {
+  if (!program_) return;
   // A cycle that comes late is before the program that was begun meanwhile.
   const SensorClock::time_point since = std::max(instant, paces_.back().since);
-  paces_.push_back({.since = since, .program_s = program_time_s(since), .ratio = ratio});
+  paces_.push_back(
+      {.since = since, .program_s = program_time_s(since), .ratio = speed_ratio_, .paused = paused_});
 }
 
 std::optional<JointVector> Arm::joints_of(const ArmState& state, const JointVector& near_rad) const {
@@ -135,6 +147,7 @@ void Arm::stand(SensorClock::time_point instant) {
   program_.reset();
   beside_.clear();
   paces_.clear();
+  paused_ = false;
   begin_ = instant;
 }
 
@@ -152,8 +165,11 @@ Arm::Running Arm::running(SensorClock::time_point instant) const {
   const std::lock_guard lock(mutex_);
   if (!program_) return {};
   const double time_s = program_time_s(instant);
-  if (time_s >= program_->duration_s()) return {};
-  return {.program = program_, .begin = begin_, .time_s = time_s};
+  return {.program = program_,
+          .begin = begin_,
+          .time_s = time_s,
+          .paused = paused_,
+          .ended = time_s >= program_->duration_s()};
 }
 
 void Arm::stop(SensorClock::time_point instant) {
@@ -173,7 +189,7 @@ void Arm::run(const Script& script, SensorClock::time_point begin) {
       script, kinematics_, now.T_base_flange, now.T_flange_tcp, now.payload, now.outputs, now.analog_ratio));
   const std::lock_guard lock(mutex_);
   program_ = std::move(program);
-  paces_.assign(1, {.since = begin, .program_s = 0, .ratio = speed_ratio_});
+  paces_.assign(1, {.since = begin, .program_s = 0, .ratio = speed_ratio_, .paused = paused_});
 }
 
 }  // namespace biteline::sim

@@ -32,9 +32,10 @@ struct ArmState {
   SE3 T_flange_tcp{SE3::Identity()};
   std::optional<JointVector> q_rad{};  ///< where known; elsewhere they are followed from pose to pose
   bool moving{false};                  ///< a motion or program is on
-  bool program_running{false};
+  bool program_running{false};         ///< also while it is paused
+  bool paused{false};
   std::string program_name{};
-  std::uint8_t outputs{0};               ///< digital outputs
+  std::uint32_t outputs{0};              ///< digital outputs, as DigitalOutStep counts them
   std::array<double, 2> analog_ratio{};  ///< analog outputs, of their range
   Payload payload{};                     ///< as the last program said
 };
@@ -72,10 +73,15 @@ class Arm {
   /// order.
   void set_speed(double ratio, SensorClock::time_point instant);
 
+  /// A program waits where it is, its sleeps, too; moves stop at once.
+  void set_paused(bool on, SensorClock::time_point instant);
+
   struct Running {
     std::shared_ptr<const Program> program{};  ///< nullptr: none
     SensorClock::time_point begin{};
     double time_s{0};  ///< of the program, at the instant that was asked for
+    bool paused{false};
+    bool ended{false};  ///< it has come to its end, and nothing has taken its place
   };
   [[nodiscard]] Running running(SensorClock::time_point instant) const;
 
@@ -93,7 +99,7 @@ class Arm {
   SE3 T_base_flange_still_;
   std::optional<JointVector> q_still_rad_{};
   SE3 T_flange_tcp_{SE3::Identity()};
-  std::uint8_t outputs_{0};
+  std::uint32_t outputs_{0};
   std::array<double, 2> analog_ratio_{};
   Payload payload_;
   std::shared_ptr<const FlangeMotion> motion_;
@@ -107,9 +113,12 @@ class Arm {
     SensorClock::time_point since;
     double program_s;  ///< at that instant
     double ratio;
+    bool paused;
   };
+  void change_pace(SensorClock::time_point instant);
   std::vector<Pace> paces_;  ///< of the program, in order
   double speed_ratio_{1};
+  bool paused_{false};
   std::vector<SetBeside> beside_;  ///< outputs set by what runs beside the program
   bool ideal_{true};
   mutable std::mutex real_mutex_;  ///< before mutex_

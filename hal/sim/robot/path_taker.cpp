@@ -225,7 +225,7 @@ arm_link::State PathTaker::state_at(SensorClock::time_point now) {
       .phase = phase_,
       .powered = powered_,
       .safe = safe_,
-      .outputs = target.outputs,
+      .outputs = static_cast<std::uint8_t>(target.outputs),
       .path = phase_ == Phase::Idle ? 0 : path_.path,
       .index = static_cast<std::uint16_t>(nearest_),
       .fault = fault_,

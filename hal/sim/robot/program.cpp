@@ -36,18 +36,25 @@ JointVector nearest_turns(JointVector q_rad, const JointVector& reference_rad) {
   return q_rad;
 }
 
+/// Farther from the base than all links in a row.
+bool beyond(const SE3& T_base_tcp, const SE3& T_flange_tcp, const ArmKinematics& arm) {
+  double links_mm = 0;
+  for (const ArmKinematics::DhRow& row : arm.rows()) links_mm += std::abs(row.a_mm) + std::abs(row.d_mm);
+  return (T_base_tcp * T_flange_tcp.inverse(Eigen::Isometry)).translation().norm() > links_mm;
+}
+
 }  // namespace
 
 Program Program::plan(const Script& script, const ArmKinematics& arm, const SE3& T_base_flange_start,
-                      const SE3& T_flange_tcp_start, const Payload& payload_start, std::uint8_t outputs_start,
-                      const std::array<double, 2>& analog_start) {
+                      const SE3& T_flange_tcp_start, const Payload& payload_start,
+                      std::uint32_t outputs_start, const std::array<double, 2>& analog_start) {
   Program program(arm);
   program.name_ = script.name;
   program.threads_ = script.threads;
   SE3 T_base_flange = T_base_flange_start;
   SE3 T_flange_tcp = T_flange_tcp_start;
   Payload payload = payload_start;
-  std::uint8_t outputs = outputs_start;
+  std::uint32_t outputs = outputs_start;
   std::array<double, 2> analog_ratio = analog_start;
   double time_s = 0;
   const auto append = [&](double duration_s, std::variant<Hold, TimedPath, JointMove> motion) {
@@ -74,6 +81,15 @@ Program Program::plan(const Script& script, const ArmKinematics& arm, const SE3&
   std::optional<JointVector> q_rad = script.start_rad;
   for (const ScriptStep& step : script.steps) {
     const auto* move = std::get_if<MoveStep>(&step);
+    if (move != nullptr && move->T_base_tcp && beyond(*move->T_base_tcp, T_flange_tcp, arm)) {
+      flush();
+      const bool joint = move->kind == MoveStep::Kind::Joint;
+      program.events_.push_back(
+          {.time_s = time_s,
+           .step = joint ? ScriptStep{FaultStep{"RuntimeExceptionMessage: no joints reach the goal of movej"}}
+                         : ScriptStep{ProtectiveStopStep{.out_of_reach = true}}});
+      return program;
+    }
     if (move != nullptr && move->kind != MoveStep::Kind::Joint) {
       const SE3 goal = move->T_base_tcp ? *move->T_base_tcp : arm.T_base_flange(*move->q_rad) * T_flange_tcp;
       pending.push_back({.T_base_tcp = goal,
@@ -116,16 +132,17 @@ Program Program::plan(const Script& script, const ArmKinematics& arm, const SE3&
     } else if (const auto* pause = std::get_if<SleepStep>(&step)) {
       append(pause->time_s, Hold{T_base_flange});
     } else if (const auto* output = std::get_if<DigitalOutStep>(&step)) {
-      const auto bit = static_cast<std::uint8_t>(1U << static_cast<unsigned>(output->number));
-      outputs = static_cast<std::uint8_t>(output->active ? outputs | bit : outputs & ~bit);
+      const std::uint32_t bit = 1U << static_cast<unsigned>(output->number);
+      outputs = output->active ? outputs | bit : outputs & ~bit;
       append(0, Hold{T_base_flange});
       program.events_.push_back({.time_s = time_s, .step = step});
     } else if (const auto* analog = std::get_if<AnalogOutStep>(&step)) {
       analog_ratio[static_cast<std::size_t>(analog->number)] = analog->ratio;
       append(0, Hold{T_base_flange});
       program.events_.push_back({.time_s = time_s, .step = step});
-    } else if (!std::holds_alternative<TextStep>(step)) {
+    } else {
       program.events_.push_back({.time_s = time_s, .step = step});
+      if (std::holds_alternative<ProtectiveStopStep>(step)) return program;
     }
   }
   flush();
@@ -146,8 +163,8 @@ bool Program::sets_between(const OutputStep& same, double after_s, double until_
   });
 }
 
-const ThreadCode* Program::thread(std::string_view name) const {
-  const auto known = std::ranges::find(threads_, name, &ThreadCode::name);
+const ScriptCode* Program::thread(std::string_view name) const {
+  const auto known = std::ranges::find(threads_, name, &ScriptCode::name);
   return known == threads_.end() ? nullptr : &*known;
 }
 
@@ -203,7 +220,7 @@ SE3 Program::T_flange_tcp_at(double time_s) const {
 const Payload& Program::payload_at(double time_s) const {
   return piece_at(time_s).payload;
 }
-std::uint8_t Program::outputs_at(double time_s) const {
+std::uint32_t Program::outputs_at(double time_s) const {
   return piece_at(time_s).outputs;
 }
 std::array<double, 2> Program::analog_at(double time_s) const {

@@ -12,7 +12,7 @@
 
 namespace biteline::sim {
 
-/// What is done beside the moves, and when: to a thread, a watchdog, an output.
+/// What is done beside the moves, and when: to a thread, a watchdog, an output; what is said; what ends it.
 struct ProgramEvent {
   double time_s{0};
   ScriptStep step;
@@ -23,10 +23,11 @@ class Program {
  public:
   /// Straight and process moves that blend into each other form one path; a joint move and everything else
   /// stops the arm. A joint move from where the arm's own links do not reach (the head's way round the shoe)
-  /// is made straight instead.
+  /// is made straight instead.  It ends where it stops the arm by its own word, and before a goal that is
+  /// farther away than all links in a row.
   [[nodiscard]] static Program plan(const Script& script, const ArmKinematics& arm,
                                     const SE3& T_base_flange_start, const SE3& T_flange_tcp,
-                                    const Payload& payload = {}, std::uint8_t outputs = 0,
+                                    const Payload& payload = {}, std::uint32_t outputs = 0,
                                     const std::array<double, 2>& analog_ratio = {});
 
   [[nodiscard]] const std::string& name() const { return name_; }
@@ -40,9 +41,9 @@ class Program {
   /// The tool frame in force.
   [[nodiscard]] SE3 T_flange_tcp_at(double time_s) const;
   [[nodiscard]] const Payload& payload_at(double time_s) const;
-  /// Bits of the digital outputs, 0 to 7, as they were before it, and as the script has set and cleared
-  /// them since.
-  [[nodiscard]] std::uint8_t outputs_at(double time_s) const;
+  /// Bits of the digital outputs, as DigitalOutStep counts them, as they were before it, and as the script
+  /// has set and cleared them since.
+  [[nodiscard]] std::uint32_t outputs_at(double time_s) const;
 
   /// Of the analog outputs, 0 to 1, likewise.
   [[nodiscard]] std::array<double, 2> analog_at(double time_s) const;
@@ -53,7 +54,7 @@ class Program {
   /// In their order.
   [[nodiscard]] const std::vector<ProgramEvent>& events() const { return events_; }
   /// nullptr: it has none of that name.
-  [[nodiscard]] const ThreadCode* thread(std::string_view name) const;
+  [[nodiscard]] const ScriptCode* thread(std::string_view name) const;
 
  private:
   struct Hold {
@@ -69,7 +70,7 @@ class Program {
     double end_s{0};
     SE3 T_flange_tcp{SE3::Identity()};
     Payload payload;
-    std::uint8_t outputs{0};
+    std::uint32_t outputs{0};
     std::array<double, 2> analog_ratio{};
     std::variant<Hold, TimedPath, JointMove> motion;
   };
@@ -81,7 +82,7 @@ class Program {
   std::string name_;
   std::vector<Piece> pieces_;
   std::vector<ProgramEvent> events_;
-  std::vector<ThreadCode> threads_;
+  std::vector<ScriptCode> threads_;
 };
 
 }  // namespace biteline::sim

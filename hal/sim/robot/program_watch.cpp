@@ -10,20 +10,47 @@ double seconds(Nanoseconds time) {
   return static_cast<double>(time.count()) * 1e-9;
 }
 
+ProgramNews news_of(const ScriptStep& step) {
+  using Kind = ProgramNews::Kind;
+  if (const auto* text = std::get_if<TextStep>(&step)) return {.kind = Kind::Text, .text = text->text};
+  if (const auto* popup = std::get_if<PopupStep>(&step))
+    return {.kind = popup->blocking ? Kind::BlockingPopup : Kind::Popup, .text = popup->text};
+  if (const auto* fault = std::get_if<FaultStep>(&step)) return {.kind = Kind::Fault, .text = fault->text};
+  const auto* stop = std::get_if<ProtectiveStopStep>(&step);
+  return {.kind = stop != nullptr && stop->out_of_reach ? Kind::OutOfReach : Kind::ProtectiveStop,
+          .text = {}};
+}
+
 }  // namespace
+
+void ProgramWatch::tell_end() {
+  if (!std::exchange(ended_, true))
+    news_.push_back({.kind = ProgramNews::Kind::Ended, .text = threads_->program()->name()});
+}
 
 std::string ProgramWatch::step(SensorClock::time_point instant, const RtdeInputs& inputs) {
   const Arm::Running running = arm_.running(instant);
-  if (!running.program) {
+  const bool same = threads_ && running.program == threads_->program() && running.begin == begin_;
+  if (threads_ && !same) {
+    tell_end();
     threads_.reset();
-    return {};
   }
-  if (!threads_ || running.program != threads_->program() || running.begin != begin_) {
+  if (!running.program) return {};
+  if (!same) {
     threads_.emplace(running.program);
     begin_ = running.begin;
+    ended_ = false;
+    news_.push_back({.kind = ProgramNews::Kind::Started, .text = running.program->name()});
   }
-  const std::string halts =
-      threads_->step(running.time_s, seconds(instant - begin_), world_at(instant, inputs));
+  if (ended_) return {};
+  const double time_s = seconds(instant - begin_);
+  for (const ScriptStep& step : threads_->tell_until(running.time_s, time_s)) news_.push_back(news_of(step));
+  if (running.ended) {
+    tell_end();
+    return {};
+  }
+  if (running.paused) return {};
+  const std::string halts = threads_->step(time_s, world_at(instant, inputs));
   if (halts.empty()) return look_at_watchdogs(instant, inputs);
   arm_.stop(instant);
   return "thread " + halts + " halted the program";

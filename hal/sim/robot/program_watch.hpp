@@ -4,6 +4,8 @@
 
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "hal/sim/robot/arm.hpp"
 #include "hal/sim/robot/program_threads.hpp"
@@ -19,6 +21,13 @@ class RtdeInputs {
   [[nodiscard]] virtual std::optional<SensorClock::time_point> written(const std::string& variable) const = 0;
 };
 
+/// What became of the program that is on, and what it says.
+struct ProgramNews {
+  enum class Kind { Started, Ended, Warning, Text, Popup, BlockingPopup, ProtectiveStop, OutOfReach, Fault };
+  Kind kind;
+  std::string text;  ///< of the program; Started, Ended: its name
+};
+
 /// One call each cycle of the controller, by its time.  As Universal Robots' script manual has it: watchdogs
 /// and threads end with their program, and outputs stay as they are when it does. Single-threaded.
 class ProgramWatch {
@@ -28,14 +37,20 @@ class ProgramWatch {
 
   /// What ended the program, for the log; empty: nothing.
   [[nodiscard]] std::string step(SensorClock::time_point instant, const RtdeInputs& inputs);
+  /// Since the last call, in order.
+  [[nodiscard]] std::vector<ProgramNews> take_news() { return std::exchange(news_, {}); }
+  /// For what is worked out at `instant`.
+  [[nodiscard]] ScriptWorld world_at(SensorClock::time_point instant, const RtdeInputs& inputs);
 
  private:
-  [[nodiscard]] ScriptWorld world_at(SensorClock::time_point instant, const RtdeInputs& inputs);
+  void tell_end();
   [[nodiscard]] std::string look_at_watchdogs(SensorClock::time_point instant, const RtdeInputs& inputs);
 
   Arm& arm_;
   double step_s_;
   std::optional<ProgramThreads> threads_{};
+  bool ended_{false};  ///< the program whose threads those were
+  std::vector<ProgramNews> news_{};
   SensorClock::time_point begin_;
 };
 

@@ -13,7 +13,7 @@
 #include "common/core/result.hpp"
 #include "common/geometry/se3.hpp"
 #include "hal/sim/robot/arm_kinematics.hpp"
-#include "hal/sim/robot/thread_code.hpp"
+#include "hal/sim/robot/script_code.hpp"
 
 namespace biteline::sim {
 
@@ -39,7 +39,7 @@ struct SleepStep {
   double time_s{0};
 };
 struct DigitalOutStep {
-  int number{0};
+  int number{0};  ///< 0 to 7: standard ones; 8 to 15: configurable ones; 16, 17: the tool's
   bool active{false};
 };
 struct AnalogOutStep {
@@ -55,6 +55,18 @@ struct AssignStep {
 struct TextStep {
   std::string text;
 };
+struct PopupStep {
+  std::string text;
+  bool blocking{false};  ///< the program waits until somebody closes it
+};
+/// The program asks for it, or wants to go where no arm of its size can: movel's end.
+struct ProtectiveStopStep {
+  bool out_of_reach{false};
+};
+/// What ends the program where it stands: movej has no joints for its goal.
+struct FaultStep {
+  std::string text;
+};
 struct RunThreadStep {
   std::string name;  ///< of the thread
 };
@@ -67,20 +79,22 @@ struct WatchdogStep {
   bool stops{true};  ///< the program; else it is ignored
 };
 using ScriptStep = std::variant<MoveStep, SetTcpStep, Payload, SleepStep, DigitalOutStep, AnalogOutStep,
-                                AssignStep, TextStep, RunThreadStep, KillThreadStep, WatchdogStep>;
+                                AssignStep, TextStep, PopupStep, ProtectiveStopStep, FaultStep, RunThreadStep,
+                                KillThreadStep, WatchdogStep>;
 
 struct Script {
   std::string name{"script"};
   std::vector<ScriptStep> steps;
-  std::vector<ThreadCode> threads{};
+  bool secondary{false};  ///< `sec`: runs beside the program that is on, and moves nothing
+  std::vector<ScriptCode> threads{};
   std::optional<JointVector> start_rad{};  ///< where the arm's joints are when it begins, if known
 };
 
-/// `def name(): ... end` or bare lines; movel, movep, movej, set_tcp, set_payload, set_digital_out,
-/// set_standard_digital_out, set_standard_analog_out, sleep, sync, textmsg; variables that hold literals,
-/// which threads see as they are at that time; rtde_set_watchdog with "stop" or "ignore"; threads
-/// (thread_code.hpp), run and killed.  Universal Robots, "The URScript Programming Language", with its
-/// defaults for a and v.  No loops and no conditions but in threads.
+/// `def name(): ... end` or bare lines; movel, movep, movej, set_tcp, set_payload, the digital and analog
+/// outputs, sleep, sync, textmsg, popup, protective_stop; variables that hold literals, which threads see as
+/// they are at that time; rtde_set_watchdog with "stop" or "ignore"; threads (script_code.hpp), run and
+/// killed. Universal Robots, "The URScript Programming Language", with its defaults for a and v.  Loops,
+/// conditions and expressions outside threads: program_text.hpp.
 [[nodiscard]] Result<Script> parse_script(std::string_view text);
 
 }  // namespace biteline::sim

@@ -173,7 +173,7 @@ tl::unexpected<Error> RowReader::wrong(const char* expected) const {
 }
 
 tl::unexpected<Error> RowReader::unknown(const std::string& name) const {
-  return fail(Errc::NotSupported, "script line %d: '%s' is not simulated in a thread", line_, name.c_str());
+  return fail(Errc::NotSupported, "script line %d: '%s' is not simulated here", line_, name.c_str());
 }
 
 Result<double> RowReader::number() {

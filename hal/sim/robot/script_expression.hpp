@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file Values and expressions of URScript, as threads of path programs use them: read, and worked out.
+/// \file Values and expressions of URScript: read, and worked out.
 
 #include <array>
 #include <functional>
@@ -27,7 +27,7 @@ using ScriptPose = std::array<double, 6>;
 using ScriptValue = std::variant<double, ScriptPose>;
 using ScriptVariables = std::map<std::string, ScriptValue, std::less<>>;
 
-/// What a thread sees and sets.
+/// What a program sees and sets.
 struct ScriptWorld {
   std::function<int(int number)> input_register;
   std::function<SE3(bool actual)> T_base_tcp;  ///< the target, or what the encoders tell
@@ -56,6 +56,8 @@ class RowReader {
   RowReader(std::string_view text, int line) : text_{text}, line_{line} {}
 
   [[nodiscard]] bool at_end();
+  /// What is not read yet.
+  [[nodiscard]] std::string_view rest() const { return text_; }
   [[nodiscard]] std::string word();
   [[nodiscard]] bool take(std::string_view expected);
   [[nodiscard]] Result<Expression> expression();

@@ -4,13 +4,9 @@
 #include <poll.h>
 
 #include <algorithm>
-#include <cstdlib>
-#include <string_view>
 #include <utility>
 
-#include "hal/sim/robot/blends.hpp"
 #include "hal/sim/robot/primary_messages.hpp"
-#include "hal/sim/robot/robot_api.hpp"
 
 namespace biteline::sim {
 
@@ -23,52 +19,27 @@ constexpr int k_polyscope_3 = 3, k_polyscope_x = 10;
 /// A client that reads nothing for so long that this piles up is cut off.
 constexpr std::size_t k_most_waiting_bytes = 4U << 20U;
 
-/// States for a client that does not read are dropped beyond so much; scripts are still taken from it.
-constexpr std::size_t k_most_unread_states = 64U << 10U;
+constexpr std::size_t k_longest_request_bytes = 1U << 20U;
+
+/// Universal Robots, "Error codes": the primary interface is read-only; a protective stop.
+constexpr std::int32_t k_read_only_code = 210, k_protective_stop_code = 191;
 
 class TakeInputs final : public rtde::ControllerListener {
  public:
-  explicit TakeInputs(UrValues& values) : values_(values) {}
+  TakeInputs(UrValues& values, Arm& arm) : values_(values), arm_(arm) {}
   void on_inputs(const rtde::Recipe& recipe, std::span<const rtde::Value> values) override {
-    values_.take_inputs(recipe, values);
+    for (const OutputStep& set : values_.take_inputs(recipe, values))
+      arm_.set_output(set, hal::monotonic_now());
   }
   void on_text(const rtde::TextMessage&) override {}
 
  private:
   UrValues& values_;
+  Arm& arm_;
 };
-
-/// The line that a script's error names.
-int line_in(const std::string& error) {
-  constexpr std::string_view k_before = "script line ";
-  const std::size_t at = error.find(k_before);
-  return at == std::string::npos ? 0 : std::atoi(error.c_str() + at + k_before.size());
-}
 
 void append(std::vector<std::uint8_t>& bytes, const std::string& text) {
   bytes.insert(bytes.end(), text.begin(), text.end());
-}
-
-/// The first whole program in `bytes`: up to an `end` at the begin of a line.  Bare lines: one each.
-std::optional<std::string> take_program(std::vector<std::uint8_t>& bytes) {
-  const std::string text(bytes.begin(), bytes.end());
-  std::size_t begin = text.find_first_not_of(" \t\r\n");
-  if (begin == std::string::npos) return std::nullopt;
-  const bool function = text.compare(begin, 4, "def ") == 0 || text.compare(begin, 4, "sec ") == 0;
-  std::size_t end = text.find('\n', begin);
-  int depth = 0;
-  for (std::size_t first = begin; function && end != std::string::npos;) {
-    std::string line = text.substr(first, end - first);
-    line.erase(0, std::min(line.find_first_not_of(" \t"), line.size()));
-    while (!line.empty() && (line.back() == '\r' || line.back() == ' ')) line.pop_back();
-    if (line.ends_with(':') && !line.starts_with("else") && !line.starts_with("elif")) ++depth;
-    if (line == "end" && --depth <= 0) break;
-    first = end + 1;
-    end = text.find('\n', first);
-  }
-  if (end == std::string::npos) return std::nullopt;
-  bytes.erase(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(end + 1));
-  return text.substr(begin, end + 1 - begin);
 }
 
 template <class Clients>
@@ -86,7 +57,7 @@ UrController::UrController(const Config& config, Arm& arm, OnCycle on_cycle)
       arm_(arm),
       on_cycle_(std::move(on_cycle)),
       values_(arm.kinematics()),
-      program_watch_(arm, 1.0 / config.rate_hz),
+      runner_(arm, 1.0 / config.rate_hz),
       slider_wish_{config.speed_slider_ratio},
       pace_ratio_{config.speed_slider_ratio} {}
 
@@ -158,39 +129,98 @@ void UrController::set_arms_speed(SensorClock::time_point instant) {
   arm_.set_speed(pace_ratio_, instant);
 }
 
+ArmState UrController::arm_state(SensorClock::time_point instant) const {
+  ArmState state = arm_.at(instant);
+  if (const std::string* code = runner_.code_name(); code != nullptr) {
+    state.moving = state.program_running = true;
+    state.paused = runner_.is_paused();
+    state.program_name = *code;
+  }
+  return state;
+}
+
+void UrController::watch_safety(SensorClock::time_point instant) {
+  using primary::Level, primary::SafetyMode;
+  const bool stopped = protective_stop_;
+  if (stopped != std::exchange(was_stopped_, stopped)) {
+    stopped_since_ = instant;
+    tell(primary::safety_mode(stopped ? SafetyMode::ProtectiveStop : SafetyMode::Normal, stamp_now()));
+    if (stopped) tell(primary::error(k_protective_stop_code, Level::Warning, "Protective stop", stamp_now()));
+    for (const auto& client : script_clients_) client->state_due = true;
+  }
+  if (stopped || power_.mode(instant) != RobotMode::Running) runner_.stop(instant);
+}
+
+void UrController::take(const ProgramNews& news) {
+  using Kind = ProgramNews::Kind;
+  switch (news.kind) {
+    case Kind::Started:
+    case Kind::Ended:
+      return tell(primary::program_runs(news.kind == Kind::Started, news.text, stamp_now()));
+    case Kind::Text:
+      return tell(primary::text(news.text, stamp_now()));
+    case Kind::Warning:
+      ++moves_skipped_;
+      return tell(primary::error(0, primary::Level::Warning, news.text, stamp_now()));
+    case Kind::Popup:
+    case Kind::BlockingPopup:
+      dashboard_memory_.popup = news.text;
+      waits_for_popup_ = news.kind == Kind::BlockingPopup;
+      if (waits_for_popup_) pause(true);
+      return;
+    case Kind::ProtectiveStop:
+    case Kind::OutOfReach:
+      protective_stop_ = true;
+      return;
+    case Kind::Fault:
+      return tell(primary::runtime_exception(0, 0, news.text, stamp_now()));
+  }
+}
+
+void UrController::run_program(SensorClock::time_point instant) {
+  const std::string cut = runner_.step(instant, values_, values_.q_rad());
+  for (const ProgramNews& news : runner_.take_news()) take(news);
+  if (cut.empty()) return;
+  ++programs_cut_;
+  for (const auto& client : rtde_clients_)
+    client->session.send_text({.level = rtde::TextLevel::Warning, .text = cut, .source = "program"});
+}
+
+void UrController::send_states(std::uint64_t number, const ArmState& state) {
+  const std::uint64_t cycles_per_state = static_cast<std::uint64_t>(std::max(1, config_.rate_hz / 10));
+  const bool due = std::exchange(states_sent_, number / cycles_per_state) != number / cycles_per_state;
+  const std::vector<std::uint8_t> told = primary::state({.mode = power_.mode(instant_of(number)),
+                                                         .protective_stop = protective_stop_,
+                                                         .program_running = state.program_running,
+                                                         .program_paused = state.paused,
+                                                         .speed_slider_ratio = values_.speed_slider_ratio(),
+                                                         .speed_scaling = values_.speed_scaling()},
+                                                        stamp_now());
+  for (const auto& client : script_clients_) {
+    client->state_due = client->state_due || due;
+    // What waits to be read is older: the newest comes behind it, and none between.
+    if (!client->state_due || !client->outgoing.empty()) continue;
+    client->outgoing = told;
+    client->state_due = false;
+  }
+}
+
 void UrController::cycle(std::uint64_t number) {
   const auto instant = instant_of(number);
   set_arms_speed(instant);
-  if (const std::string cut = program_watch_.step(instant, values_); !cut.empty()) {
-    ++programs_cut_;
-    for (const auto& client : rtde_clients_)
-      client->session.send_text({.level = rtde::TextLevel::Warning, .text = cut, .source = "program"});
-  }
-  const ArmState state = arm_.at(instant);
-  if (std::exchange(program_ran_, state.program_running) != state.program_running)
-    tell(primary::program_runs(state.program_running, state.program_name, stamp_now()));
+  run_program(instant);
+  const ArmState state = arm_state(instant);
   const ArmReal real = arm_.real_at(instant);
   const Nanoseconds stamp = instant.time_since_epoch() + config_.clock_offset;
-  if (protective_stop_ || !powered_) arm_.stop(instant);
-  values_.set_powered(powered_);
+  watch_safety(instant);
+  values_.set_mode(power_.mode(instant));
   values_.set_protective_stop(protective_stop_);
   values_.set_digital_inputs(digital_inputs_);
   values_.advance(state, real, static_cast<double>(stamp.count()) * 1e-9);
-  const std::uint64_t cycles_per_state = static_cast<std::uint64_t>(std::max(1, config_.rate_hz / 10));
-  if (std::exchange(states_sent_, number / cycles_per_state) != number / cycles_per_state) {
-    const std::vector<std::uint8_t> told = primary::state({.powered = powered_,
-                                                           .protective_stop = protective_stop_,
-                                                           .program_running = state.program_running,
-                                                           .speed_slider_ratio = values_.speed_slider_ratio(),
-                                                           .speed_scaling = values_.speed_scaling()},
-                                                          stamp);
-    for (const auto& client : script_clients_) {
-      if (client->outgoing.size() < k_most_unread_states)
-        client->outgoing.insert(client->outgoing.end(), told.begin(), told.end());
-    }
-  }
+  send_states(number, state);
   for (const auto& client : rtde_clients_) {
-    client->session.append_outputs(number, values_);
+    // As above: who reads slowly gets the newest values, and not all.
+    if (client->outgoing.empty()) client->session.append_outputs(number, values_);
     pass_on(*client);
     if (!write_available(client->socket, client->outgoing)) client->socket.close();
   }
@@ -226,7 +256,8 @@ void UrController::accept_clients() {
       client.socket = std::move(socket);
       client.primary = listener == &primary_listener_;
       for (const auto& told :
-           {primary::version(config_.version, stamp_now()), primary::kinematics(arm_.kinematics())})
+           {primary::version(config_.version, stamp_now()), primary::kinematics(arm_.kinematics()),
+            primary::configuration(arm_.kinematics(), config_.model, config_.version[0] == k_polyscope_3)})
         client.outgoing.insert(client.outgoing.end(), told.begin(), told.end());
     }
   }
@@ -242,7 +273,7 @@ void UrController::accept_clients() {
 }
 
 void UrController::serve_rtde() {
-  TakeInputs listener{values_};
+  TakeInputs listener{values_, arm_};
   for (const auto& client : rtde_clients_) {
     bool alive = read_available(client->socket, client->incoming);
     alive = client->session.consume(client->incoming, listener).has_value() && alive;
@@ -259,33 +290,63 @@ void UrController::serve_scripts() {
     const bool alive = read_available(client->socket, client->incoming);
     // A program sent without its last line end is complete when the sender closes.
     if (!alive) client->incoming.push_back('\n');
-    while (auto program = take_program(client->incoming)) run_script(*program);
+    while (auto program = take_program(client->incoming)) take_program_text(*program);
     if (client->incoming.size() > k_longest_script_bytes) client->closing = true;
     if (!write_available(client->socket, client->outgoing) || !alive || close_all) client->socket.close();
   }
   drop_dead(script_clients_);
 }
 
+bool UrController::takes_programs() const {
+  return !protective_stop_ && !is_local() && power_.mode(hal::monotonic_now()) == RobotMode::Running;
+}
+
+void UrController::take_program_text(const std::string& text) {
+  const auto now = hal::monotonic_now();
+  const PortOrder order = port_order(text);
+  if (order == PortOrder::None) {
+    plays_loaded_ = false;
+    return run_script(text);
+  }
+  if (is_local()) return;
+  if (order == PortOrder::PowerOn) power_.switch_on(now);
+  if (order == PortOrder::PowerOff) power_.switch_off();
+  if (order == PortOrder::ReleaseBrakes) power_.release_brakes(now);
+  if (order == PortOrder::Unlock) protective_stop_ = false;
+  if (order == PortOrder::Stop) stop_program();
+}
+
 void UrController::run_script(const std::string& text) {
-  if (protective_stop_ || !remote_control_ || !powered_) {
+  if (!takes_programs()) {
     // As a real one: nothing moves, and the script port says nothing.
     ++scripts_refused_;
+    if (is_local())
+      tell(primary::error(k_read_only_code, primary::Level::Violation, "not in remote control", stamp_now()));
     return;
   }
-  auto script = parse_script(text);
-  if (script) {
-    for (const std::string& warning : skip_overlapping_blends(*script)) {
-      ++moves_skipped_;
-      tell(primary::warning(warning, stamp_now()));
-    }
-    ++scripts_run_;
-    script->start_rad = values_.q_rad();
-    arm_.run(*script, hal::monotonic_now());
-    return;
+  auto program = parse_program(text);
+  if (!program) {
+    ++scripts_refused_;
+    const ProgramFault fault = fault_of(program.error(), text);
+    return tell(primary::runtime_exception(fault.line, fault.column, fault.text, stamp_now()));
   }
-  ++scripts_refused_;
-  const std::string error = to_line(script.error());
-  tell(primary::runtime_exception(line_in(error), error, stamp_now()));
+  ++scripts_run_;
+  runner_.run(std::move(*program), values_.q_rad(), hal::monotonic_now());
+}
+
+void UrController::run_loaded(const std::string& name) {
+  const auto program = config_.programs.find(name);
+  if (program == config_.programs.end()) return;
+  plays_loaded_ = true;
+  run_script(program->second);
+}
+
+void UrController::pause(bool on) {
+  runner_.set_paused(on, hal::monotonic_now());
+}
+
+void UrController::stop_program() {
+  runner_.stop(hal::monotonic_now());
 }
 
 Nanoseconds UrController::stamp_now() const {
@@ -321,62 +382,64 @@ void UrController::serve_robot_api() {
     const bool alive = read_available(client->socket, client->incoming);
     if (const auto request = robot_api::take_request(client->incoming); request && !client->closing) {
       const auto now = hal::monotonic_now();
-      const robot_api::Answer answer =
-          robot_api::answer_to(*request, {.version = config_.version,
-                                          .remote = remote_control_,
-                                          .powered = powered_,
-                                          .protective_stop = protective_stop_,
-                                          .program_running = arm_.at(now).program_running,
-                                          .model = config_.model,
-                                          .serial = config_.serial});
-      if (answer.order == Order::Stop) arm_.stop(now);
-      if (answer.order == Order::PowerOff || answer.order == Order::PowerOn)
-        powered_ = answer.order == Order::PowerOn;
-      if (answer.order == Order::UnlockProtectiveStop) protective_stop_ = false;
+      const ArmState state = arm_state(now);
+      const char* const program = state.paused ? "PAUSED" : state.program_running ? "PLAYING" : "STOPPED";
+      const robot_api::Answer answer = robot_api::answer_to(*request,
+                                                            {.version = config_.version,
+                                                             .remote = says_remote(),
+                                                             .protective_stop = protective_stop_,
+                                                             .mode = power_.mode(now),
+                                                             .program = program,
+                                                             .model = config_.model,
+                                                             .serial = config_.serial},
+                                                            config_.programs, robot_api_memory_);
+      if (answer.order == Order::Stop || answer.order == Order::Load) stop_program();
+      if (answer.order == Order::Pause) pause(true);
+      if (answer.order == Order::Play && state.paused) pause(false);
+      if (answer.order == Order::Play && !state.paused) run_loaded(robot_api_memory_.loaded);
+      if (answer.order == Order::PowerOff) power_.switch_off();
+      if (answer.order == Order::PowerOn) power_.switch_on(now);
+      if (answer.order == Order::ReleaseBrakes) power_.release_brakes(now);
+      if (answer.order == Order::Unlock) protective_stop_ = false;
       append(client->outgoing, robot_api::http_text(answer));
       client->closing = true;
     }
-    if (client->incoming.size() > k_most_unread_states) client->socket.close();
+    if (client->incoming.size() > k_longest_request_bytes) client->socket.close();
     if (!write_available(client->socket, client->outgoing) || !alive) client->socket.close();
   }
   drop_dead(robot_api_clients_);
 }
 
 std::string UrController::dashboard_answer(const std::string& line, Client& client) {
+  using dashboard::Order, dashboard::ProgramState;
   const auto now = hal::monotonic_now();
-  const ArmState state = arm_.at(now);
-  if (line == "robotmode") return powered_ ? "Robotmode: RUNNING" : "Robotmode: POWER_OFF";
-  if (line == "safetystatus" || line == "safetymode") {
-    return (line == "safetymode" ? "Safetymode: " : "Safetystatus: ") +
-           std::string(protective_stop_ ? "PROTECTIVE_STOP" : "NORMAL");
-  }
-  if (line == "unlock protective stop") {
-    protective_stop_ = false;
-    return "Protective stop releasing";
-  }
-  if (line == "running") return state.program_running ? "Program running: true" : "Program running: false";
-  if (line == "programState" || line == "programstate") {
-    return (state.program_running ? "PLAYING " : "STOPPED ") +
-           (state.program_name.empty() ? "<unnamed>" : state.program_name);
-  }
-  if (line == "is in remote control" && config_.version[0] != k_polyscope_3)
-    return remote_control_ ? "true" : "false";
-  // Four numbers: some clients take nothing else.
-  if (line == "PolyscopeVersion") {
-    return "URSoftware " + std::to_string(config_.version[0]) + "." + std::to_string(config_.version[1]) +
-           "." + std::to_string(config_.version[2]) + ".0 (simulated by Biteline)";
-  }
-  if (line == "get serial number") return config_.serial;
-  if (line == "get robot model") return config_.model;
-  if (line == "stop") {
-    arm_.stop(now);
-    return "Stopped";
-  }
-  if (line == "quit") {
-    client.closing = true;
-    return "Disconnected";
-  }
-  return "could not understand: '" + line + "'";
+  const ArmState state = arm_state(now);
+  const dashboard::Answer answer = dashboard::answer_to(
+      line,
+      {.version = config_.version,
+       .mode = power_.mode(now),
+       .remote = says_remote(),
+       .takes_programs = !is_local(),
+       .protective_stop = protective_stop_,
+       .just_stopped = now < stopped_since_ + config_.unlocks_after,
+       .program = state.paused            ? ProgramState::Paused
+                  : state.program_running ? ProgramState::Playing
+                                          : ProgramState::Stopped,
+       .program_name = plays_loaded_ ? dashboard::file_of(dashboard_memory_.loaded) : state.program_name,
+       .model = config_.model,
+       .serial = config_.serial},
+      config_.programs, dashboard_memory_);
+  if (answer.order == Order::Stop || answer.order == Order::Load) stop_program();
+  if (answer.order == Order::Pause) pause(true);
+  if (answer.order == Order::Play && state.paused) pause(false);
+  if (answer.order == Order::Play && !state.paused) run_loaded(dashboard::file_of(dashboard_memory_.loaded));
+  if (answer.order == Order::ClosePopup && std::exchange(waits_for_popup_, false)) pause(false);
+  if (answer.order == Order::PowerOff) power_.switch_off();
+  if (answer.order == Order::PowerOn) power_.switch_on(now);
+  if (answer.order == Order::ReleaseBrakes) power_.release_brakes(now);
+  if (answer.order == Order::Unlock) protective_stop_ = false;
+  if (answer.order == Order::Quit) client.closing = true;
+  return answer.text;
 }
 
 }  // namespace biteline::sim

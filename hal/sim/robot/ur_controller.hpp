@@ -5,11 +5,16 @@
 #include <array>
 #include <atomic>
 #include <functional>
+#include <map>
 #include <memory>
 #include <thread>
 #include <vector>
 
 #include "hal/sim/robot/arm.hpp"
+#include "hal/sim/robot/dashboard.hpp"
+#include "hal/sim/robot/power.hpp"
+#include "hal/sim/robot/robot_api.hpp"
+#include "hal/sim/robot/script_runner.hpp"
 #include "hal/sim/robot/tcp.hpp"
 #include "hal/sim/robot/ur_values.hpp"
 
@@ -19,13 +24,11 @@ namespace biteline::sim {
 /// the real one; moves whose blends meet are skipped and warned of; of a script that cannot be read nothing
 /// moves.  Both are said as robot messages to the clients of the primary port, and nowhere else.
 ///
-/// A CB3 (software 3) or an e-Series (5) has a dashboard: robotmode, safetystatus, safetymode, running,
-/// programState, stop, "is in remote control", "unlock protective stop", PolyscopeVersion, "get robot model",
-/// "get serial number", quit; other lines get the real one's answer to the unknown.  A PolyScope X (10) has
-/// the Robot API instead (robot_api.hpp).  Script port and primary port send version and kinematics to who
-/// connects and the robot's mode ten times a second (primary_messages.hpp) and take scripts; who does not
-/// read there loses states.  The primary port tells of programs, too. Threads of a program and its watchdogs
-/// on RTDE inputs run on the controller's cycles. Thread: any for the public methods.
+/// A CB3 (software 3) or an e-Series (5) has a dashboard (dashboard.hpp), a PolyScope X (10) the Robot API
+/// instead (robot_api.hpp).  Script port and primary port send version, kinematics and configuration to who
+/// connects and the robot's mode ten times a second (primary_messages.hpp), and take scripts and words of
+/// their own (program_text.hpp); who does not read there gets the newest state when it does.  The primary
+/// port tells of programs, too.  What runs is in script_runner.hpp.  Thread: any for the public methods.
 class UrController {
  public:
   struct Config {
@@ -40,6 +43,12 @@ class UrController {
     std::array<int, 3> version{5, 12, 0};  ///< 3: a CB3, 5: an e-Series, 10: a PolyScope X
     std::string model{"UR5e"};
     std::string serial{"20235500001"};
+    /// What dashboard and Robot API can load, by name: "wait.urp" or "wait", and the script it stands for.
+    std::map<std::string, std::string> programs{};
+    /// How long a protective stop must be looked at before a dashboard unlocks it.
+    Nanoseconds unlocks_after{5'000'000'000};
+    /// false: the setting "remote control" is off: it says that it is not in remote control, and takes all.
+    bool remote_control_enabled{true};
   };
   struct Ports {
     std::uint16_t rtde, script, dashboard, robot_api, primary;  ///< 0: it has none
@@ -62,7 +71,7 @@ class UrController {
   /// no program until it is let go.
   void set_remote_control(bool on) { remote_control_ = on; }
   void set_protective_stop(bool on) { protective_stop_ = on; }
-  void set_powered(bool on) { powered_ = on; }
+  void set_powered(bool on) { power_.set(on); }
   /// The pendant's speed slider, 0 to 1: programs go at that share of their speed, after a ramp of half a
   /// second for the whole of it.  RTDE clients may set it, too.
   void set_speed_slider(double ratio) { slider_wish_ = ratio; }
@@ -93,7 +102,8 @@ class UrController {
     bool closing{false};  ///< as soon as all is sent
   };
   struct ScriptClient : Client {
-    bool primary{false};  ///< gets robot messages, too
+    bool primary{false};    ///< gets robot messages, too
+    bool state_due{false};  ///< it has not got the newest
   };
   struct RtdeClient : Client {
     explicit RtdeClient(const rtde::ControllerSession::Config& config) : session(config) {}
@@ -111,21 +121,41 @@ class UrController {
   void serve_scripts();
   void serve_dashboard();
   void serve_robot_api();
+  void take_program_text(const std::string& text);
   void run_script(const std::string& text);
+  void run_loaded(const std::string& name);
+  void pause(bool on);
+  void stop_program();
+  /// The arm takes programs: brakes released, nothing in the way.
+  [[nodiscard]] bool takes_programs() const;
+  [[nodiscard]] ArmState arm_state(SensorClock::time_point instant) const;
+  void run_program(SensorClock::time_point instant);
+  void watch_safety(SensorClock::time_point instant);
+  void take(const ProgramNews& news);
+  void send_states(std::uint64_t number, const ArmState& state);
   /// A robot message to who listens at the primary port.
   void tell(const std::vector<std::uint8_t>& message);
   [[nodiscard]] Nanoseconds stamp_now() const;
   [[nodiscard]] std::string dashboard_answer(const std::string& line, Client& client);
+  [[nodiscard]] bool says_remote() const { return config_.remote_control_enabled && remote_control_; }
+  [[nodiscard]] bool is_local() const { return config_.remote_control_enabled && !remote_control_; }
   [[nodiscard]] SensorClock::time_point instant_of(std::uint64_t cycle) const;
 
   Config config_;
   Arm& arm_;
   OnCycle on_cycle_;
   UrValues values_;
-  ProgramWatch program_watch_;
+  ScriptRunner runner_;
   TcpListener rtde_listener_, script_listener_, dashboard_listener_, robot_api_listener_, primary_listener_;
   std::shared_ptr<rtde::InputOwners> input_owners_{std::make_shared<rtde::InputOwners>()};
-  std::atomic<bool> remote_control_{true}, protective_stop_{false}, powered_{true}, close_scripts_{false};
+  std::atomic<bool> remote_control_{true}, protective_stop_{false}, close_scripts_{false};
+  Power power_;
+  bool was_stopped_{false};  ///< protectively, on the last cycle
+  SensorClock::time_point stopped_since_{};
+  bool waits_for_popup_{false};
+  bool plays_loaded_{false};  ///< the program that is on, or was last, is the dashboard's or the Robot API's
+  dashboard::Memory dashboard_memory_;
+  robot_api::Memory robot_api_memory_;
   std::atomic<double> slider_wish_{-1};  ///< negative: nobody has touched it
   std::atomic<double> speed_scaling_{1};
   std::atomic<std::uint64_t> digital_inputs_{0};
@@ -133,7 +163,6 @@ class UrController {
   std::vector<std::unique_ptr<RtdeClient>> rtde_clients_;
   std::vector<std::unique_ptr<ScriptClient>> script_clients_;
   std::vector<std::unique_ptr<Client>> dashboard_clients_, robot_api_clients_;
-  bool program_ran_{false};  ///< as its clients were told last
   SensorClock::time_point begin_;
   std::uint64_t states_sent_{0};  ///< periods of the primary port
   std::atomic<std::uint64_t> scripts_run_{0}, scripts_refused_{0}, moves_skipped_{0}, programs_cut_{0};

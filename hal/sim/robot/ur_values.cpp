@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "hal/sim/robot/ur_values.hpp"
 
+#include <algorithm>
+#include <array>
 #include <utility>
 
 #include "hal/linux/posix/descriptor.hpp"
@@ -10,9 +12,9 @@ namespace biteline::sim {
 namespace {
 
 constexpr double k_m_per_mm = 1e-3;
-/// UR's numbers, RTDE guide: robot mode RUNNING, safety mode NORMAL, runtime state STOPPED and PLAYING.
-constexpr std::int32_t k_running = 7, k_power_off = 3, k_normal = 1;
-constexpr std::uint32_t k_stopped = 1, k_playing = 2;
+/// UR's numbers, RTDE guide: safety mode NORMAL, runtime state STOPPED, PLAYING and PAUSED.
+constexpr std::int32_t k_normal = 1;
+constexpr std::uint32_t k_stopped = 1, k_playing = 2, k_paused = 4;
 constexpr std::uint32_t k_power_on = 1U << 0U, k_program_running = 1U << 1U;
 constexpr std::uint32_t k_safety_normal = 1U << 0U, k_safety_protective = 1U << 2U;
 constexpr std::int32_t k_protective_stop = 3;
@@ -37,6 +39,39 @@ rtde::Vector6 speed_between(const SE3& before, const SE3& after, double step_s) 
   const Vec3 v = k_m_per_mm / step_s * (after.translation() - before.translation());
   const Vec3 w = geometry::log_so3(after.linear() * before.linear().transpose()) / step_s;
   return {v.x(), v.y(), v.z(), w.x(), w.y(), w.z()};
+}
+
+/// The value of `name`, if the recipe has it.
+template <class Kind>
+const Kind* named(const rtde::Recipe& recipe, std::span<const rtde::Value> values, std::string_view name) {
+  const auto at = std::ranges::find(recipe.names, name) - recipe.names.begin();
+  return static_cast<std::size_t>(at) < values.size()
+             ? std::get_if<Kind>(&values[static_cast<std::size_t>(at)])
+             : nullptr;
+}
+
+/// Outputs whose bit of the mask is set.  Universal Robots, RTDE guide, "controller input": analog values
+/// from 0 to 1.
+std::vector<OutputStep> outputs_in(const rtde::Recipe& recipe, std::span<const rtde::Value> values) {
+  constexpr std::array<std::pair<std::string_view, int>, 3> k_digital{
+      {{"standard_digital_output", 0}, {"configurable_digital_output", 8}, {"tool_digital_output", 16}}};
+  std::vector<OutputStep> set;
+  for (const auto& [name, first] : k_digital) {
+    const auto* mask = named<std::uint8_t>(recipe, values, std::string{name} + "_mask");
+    const auto* bits = named<std::uint8_t>(recipe, values, name);
+    const unsigned count = first == 16 ? 2 : 8;
+    for (unsigned i = 0; mask != nullptr && bits != nullptr && i < count; ++i) {
+      if (((*mask >> i) & 1U) != 0)
+        set.emplace_back(DigitalOutStep{first + static_cast<int>(i), ((*bits >> i) & 1U) != 0});
+    }
+  }
+  const auto* mask = named<std::uint8_t>(recipe, values, "standard_analog_output_mask");
+  for (int i = 0; mask != nullptr && i < 2; ++i) {
+    const auto* ratio = named<double>(recipe, values, "standard_analog_output_" + std::to_string(i));
+    if (((*mask >> static_cast<unsigned>(i)) & 1U) != 0 && ratio != nullptr && *ratio >= 0 && *ratio <= 1)
+      set.emplace_back(AnalogOutStep{i, *ratio});
+  }
+  return set;
 }
 
 }  // namespace
@@ -79,7 +114,8 @@ void UrValues::advance(const ArmState& state, const ArmReal& real, double timest
   timestamp_s_ = timestamp_s;
 }
 
-void UrValues::take_inputs(const rtde::Recipe& recipe, std::span<const rtde::Value> values) {
+std::vector<OutputStep> UrValues::take_inputs(const rtde::Recipe& recipe,
+                                              std::span<const rtde::Value> values) {
   std::uint32_t slider_mask = 0;
   double slider = speed_slider_ratio_;
   for (std::size_t i = 0; i < values.size() && i < recipe.names.size(); ++i) {
@@ -90,6 +126,7 @@ void UrValues::take_inputs(const rtde::Recipe& recipe, std::span<const rtde::Val
     written_[name] = hal::monotonic_now();
   }
   if ((slider_mask & 1U) != 0 && slider >= 0 && slider <= 1) speed_slider_ratio_ = slider;
+  return outputs_in(recipe, values);
 }
 
 int UrValues::input_register(int number) const {
@@ -114,7 +151,7 @@ rtde::Value UrValues::value_of(std::string_view name) const {
   if (name == "actual_TCP_pose") return tcp_pose_;
   if (name == "actual_TCP_speed") return tcp_speed_;
   if (name == "tcp_offset") return tcp_offset_;
-  if (name == "robot_mode") return powered_ ? k_running : k_power_off;
+  if (name == "robot_mode") return static_cast<std::int32_t>(mode_);
   if (name == "safety_mode" || name == "safety_status")
     return protective_stop_ ? k_protective_stop : k_normal;
   if (name == "joint_mode") {
@@ -122,8 +159,12 @@ rtde::Value UrValues::value_of(std::string_view name) const {
     modes.fill(k_joint_running);
     return modes;
   }
-  if (name == "runtime_state") return state_.program_running ? k_playing : k_stopped;
-  if (name == "robot_status_bits") return k_power_on | (state_.program_running ? k_program_running : 0U);
+  if (name == "runtime_state")
+    return state_.paused ? k_paused : state_.program_running ? k_playing : k_stopped;
+  if (name == "robot_status_bits") {
+    const bool on = mode_ == RobotMode::Idle || mode_ == RobotMode::Running;
+    return (on ? k_power_on : 0U) | (state_.program_running && !state_.paused ? k_program_running : 0U);
+  }
   if (name == "safety_status_bits") return protective_stop_ ? k_safety_protective : k_safety_normal;
   if (name == "speed_scaling") return speed_scaling_;
   if (name == "target_speed_fraction") return speed_slider_ratio_;

@@ -5,9 +5,11 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "common/rtde/controller_session.hpp"
 #include "hal/sim/robot/arm.hpp"
+#include "hal/sim/robot/power.hpp"
 #include "hal/sim/robot/program_watch.hpp"
 
 namespace biteline::sim {
@@ -22,13 +24,15 @@ class UrValues final : public rtde::ValueSource, public RtdeInputs {
 
   void advance(const ArmState& state, const ArmReal& real, double timestamp_s);
 
-  /// What clients wrote: the speed slider, and all that is read back under its own name.
-  void take_inputs(const rtde::Recipe& recipe, std::span<const rtde::Value> values);
+  /// What clients wrote: the speed slider, and all that is read back under its own name.  The outputs that
+  /// they set with it.
+  [[nodiscard]] std::vector<OutputStep> take_inputs(const rtde::Recipe& recipe,
+                                                    std::span<const rtde::Value> values);
   [[nodiscard]] int input_register(int number) const override;
   [[nodiscard]] std::optional<SensorClock::time_point> written(const std::string& variable) const override;
   /// Held by the safety system, as after a collision.
   void set_protective_stop(bool on) { protective_stop_ = on; }
-  void set_powered(bool on) { powered_ = on; }
+  void set_mode(RobotMode mode) { mode_ = mode; }
   [[nodiscard]] double speed_slider_ratio() const { return speed_slider_ratio_; }
   /// Standard inputs 0 to 7, as bits.
   void set_digital_inputs(std::uint64_t bits) { digital_inputs_ = bits; }
@@ -49,7 +53,8 @@ class UrValues final : public rtde::ValueSource, public RtdeInputs {
   ArmState state_;
   double timestamp_s_{0};
   double speed_slider_ratio_{1}, speed_scaling_{1};
-  bool protective_stop_{false}, powered_{true};
+  bool protective_stop_{false};
+  RobotMode mode_{RobotMode::Running};
   std::uint64_t digital_inputs_{0};
   std::map<std::string, rtde::Value, std::less<>> inputs_;
   std::map<std::string, SensorClock::time_point> written_;

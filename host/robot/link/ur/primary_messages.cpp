@@ -13,7 +13,7 @@ constexpr std::size_t k_head_bytes = 5;          // length and type, of messages
 constexpr std::size_t k_most_bytes = 1U << 16U;  // a state has some 1500
 constexpr std::uint8_t k_robot_message = 20;
 constexpr std::uint8_t k_error_code = 6, k_key = 7, k_runtime_exception = 10;
-constexpr std::int32_t k_violation = 3, k_fault = 4;
+constexpr std::int32_t k_violation = 3, k_critical_fault = 5;  // and a fault between
 constexpr std::size_t k_most_text = 200;
 
 /// One line of it: what a controller says goes into logs and pages.
@@ -39,9 +39,9 @@ std::optional<ControllerSaid> error_code(rtde::Reader& body) {
   const std::int32_t code = body.get<std::int32_t>().value_or(0),
                      argument = body.get<std::int32_t>().value_or(0);
   const std::int32_t level = body.get<std::int32_t>().value_or(0);
-  static_cast<void>(body.get<std::uint8_t>());   // the data's type
+  static_cast<void>(body.get<std::uint32_t>());  // the data's type
   static_cast<void>(body.get<std::uint32_t>());  // the data
-  if (body.failed() || (level != k_violation && level != k_fault)) return std::nullopt;
+  if (body.failed() || level < k_violation || level > k_critical_fault) return std::nullopt;
   const std::string text = line_of(body.get_rest());
   return ControllerSaid{.about = ControllerSaid::About::Fault,
                         .text = std::string{FixedText<60>::format("C%dA%d", code, argument).view()} +

@@ -7,15 +7,18 @@ namespace biteline::sim::robot_api {
 
 TEST_GROUP(SimRobotApi) {
   State state{.model = "UR5e", .serial = "20235500001"};
+  std::map<std::string, std::string> scripts{{"wait", "sleep(10)\n"}};
+  Memory memory;
 
-  Answer get(const std::string& path) const {
-    return answer_to({.method = "GET", .target = "/universal-robots/robot-api" + path, .body = {}}, state);
+  Answer ask(const char* method, const std::string& path, const std::string& body) {
+    return answer_to({.method = method, .target = "/universal-robots/robot-api" + path, .body = body}, state,
+                     scripts, memory);
   }
-  Answer put(const std::string& path, const std::string& action) const {
-    return answer_to({.method = "PUT",
-                      .target = "/universal-robots/robot-api" + path,
-                      .body = R"({"action": ")" + action + R"("})"},
-                     state);
+  Answer get(const std::string& path) {
+    return ask("GET", path, {});
+  }
+  Answer put(const std::string& path, const std::string& action) {
+    return ask("PUT", path, R"({"action": ")" + action + R"("})");
   }
 };
 
@@ -40,6 +43,7 @@ TEST(SimRobotApi, EachSoftwareHasWhatItIsKnownToHave) {
     const char *path, *body;
     int from_minor;
   } rows[] = {{"/program/v1/state", R"({"state":"STOPPED"})", 11},
+              {"/program/v1/loaded", R"({"name":"Default program"})", 12},
               {"/system/v1/controlmode", R"({"mode":"REMOTE"})", 12},
               {"/system/v1/operationalmode", R"({"mode":"AUTOMATIC"})", 12},
               {"/robotstate/v1/robotmode", R"({"mode":"RUNNING"})", 12},
@@ -60,15 +64,44 @@ TEST(SimRobotApi, EachSoftwareHasWhatItIsKnownToHave) {
 TEST(SimRobotApi, OrdersAreTakenInRemoteControlAlone) {
   CHECK(put("/program/v1/state", "stop").order == Order::Stop);
   CHECK(put("/robotstate/v1/state", "POWER_OFF").order == Order::PowerOff);
-  CHECK(put("/robotstate/v1/state", "BRAKE_RELEASE").order == Order::PowerOn);
+  CHECK(put("/robotstate/v1/state", "BRAKE_RELEASE").order == Order::ReleaseBrakes);
   LONGS_EQUAL(409, put("/robotstate/v1/state", "UNLOCK_PROTECTIVE_STOP").status);
   state.protective_stop = true;
-  CHECK(put("/robotstate/v1/state", "UNLOCK_PROTECTIVE_STOP").order == Order::UnlockProtectiveStop);
+  CHECK(put("/robotstate/v1/state", "UNLOCK_PROTECTIVE_STOP").order == Order::Unlock);
   LONGS_EQUAL(422, put("/robotstate/v1/state", "DANCE").status);
   state.remote = false;
   LONGS_EQUAL(403, put("/program/v1/state", "stop").status);
   CHECK(put("/program/v1/state", "stop").order == Order::None);
   LONGS_EQUAL(200, get("/program/v1/state").status);
+}
+
+TEST(SimRobotApi, AProgramIsLoadedAndPlayedWhereTheArmRuns) {
+  LONGS_EQUAL(409, put("/program/v1/state", "play").status);  // the default program is nothing
+  LONGS_EQUAL(404, ask("PUT", "/program/v1/loaded", R"({"name":"none"})").status);
+  CHECK(ask("PUT", "/program/v1/loaded", R"({"name":"wait"})").order == Order::Load);
+  STRCMP_EQUAL(R"({"name":"wait"})", get("/program/v1/loaded").body.c_str());
+  CHECK(put("/program/v1/state", "play").order == Order::Play);
+  CHECK(put("/program/v1/state", "pause").order == Order::Pause);
+  CHECK(put("/program/v1/state", "resume").order == Order::Play);
+  state.mode = RobotMode::Idle;
+  LONGS_EQUAL(409, put("/program/v1/state", "play").status);
+}
+
+TEST(SimRobotApi, ProgramsAreKeptAndGivenBackAsTheyCame) {
+  const std::string program = R"({"program": {"programInformation": {"name": "new one"}}})";
+  const auto form = [&](const std::string& text) {
+    return "--b\r\nContent-Disposition: form-data; name=\"file\"\r\n\r\n" + text + "\r\n--b--\r\n";
+  };
+  LONGS_EQUAL(404, ask("PUT", "/programs/v1/", form(program)).status);
+  LONGS_EQUAL(422, ask("POST", "/programs/v1/", form("{}")).status);
+  LONGS_EQUAL(422, ask("POST", "/programs/v1/", "no form").status);
+  STRCMP_EQUAL(R"({"programName":"new one"})", ask("POST", "/programs/v1/", form(program)).body.c_str());
+  LONGS_EQUAL(400, ask("POST", "/programs/v1/", form(program)).status);
+  LONGS_EQUAL(200, ask("PUT", "/programs/v1/", form(program)).status);
+  STRCMP_EQUAL(program.c_str(), get("/programs/v1/new%20one").body.c_str());
+  LONGS_EQUAL(404, get("/programs/v1/other").status);
+  STRCMP_CONTAINS(R"("name":"new one")", get("/programs/v1/").body.c_str());
+  STRCMP_CONTAINS(R"("name":"wait")", get("/programs/v1/").body.c_str());
 }
 
 }  // namespace biteline::sim::robot_api

@@ -218,8 +218,8 @@ TEST(UrController, NoProgramRunsInLocalModeOrInAProtectiveStop) {
   read_line(dashboard);
   send_text(dashboard, "safetymode\nunlock protective stop\nsafetymode\n");
   STRCMP_EQUAL("Safetymode: PROTECTIVE_STOP", read_line(dashboard).c_str());
-  STRCMP_EQUAL("Protective stop releasing", read_line(dashboard).c_str());
-  STRCMP_EQUAL("Safetymode: NORMAL", read_line(dashboard).c_str());
+  STRCMP_CONTAINS("Cannot unlock protective stop until 5s", read_line(dashboard).c_str());
+  STRCMP_EQUAL("Safetymode: PROTECTIVE_STOP", read_line(dashboard).c_str());
 }
 
 TEST(UrController, ThePrimaryPortTellsAProgramsBeginAndEnd) {
@@ -233,17 +233,20 @@ TEST(UrController, ThePrimaryPortTellsAProgramsBeginAndEnd) {
 TEST(UrController, ThePrimaryPortSendsStates) {
   const hal::Descriptor primary = connect_to(sut->ports().primary);
   std::vector<std::uint8_t> bytes;
-  // First, once: the version, then the arm's kinematics.
-  constexpr std::size_t k_version = 56, k_kinematics = 230, k_first = k_version + k_kinematics;
+  // First, once: the version, then the arm's kinematics and configuration.
+  constexpr std::size_t k_version = 56, k_kinematics = 230, k_configuration = 450,
+                        k_first = k_version + k_kinematics + k_configuration;
   for (int i = 0; i < k_patience_ms && bytes.size() < k_first + 104; ++i) {
     pollfd wait{primary.number(), POLLIN, 0};
     poll(&wait, 1, 1);
     CHECK(read_available(primary, bytes));
   }
   CHECK(bytes.size() >= k_first + 104);
-  const std::vector<std::uint8_t> version{0, 0, 0, 56, 20}, rows{0, 0, 0, 230, 16, 0, 0, 0, 225, 5};
+  const std::vector<std::uint8_t> version{0, 0, 0, 56, 20}, rows{0, 0, 0, 230, 16, 0, 0, 0, 225, 5},
+      limits{0, 0, 1, 194, 16, 0, 0, 1, 189, 6};
   CHECK(std::equal(version.begin(), version.end(), bytes.begin()));
   CHECK(std::equal(rows.begin(), rows.end(), bytes.begin() + k_version));
+  CHECK(std::equal(limits.begin(), limits.end(), bytes.begin() + k_version + k_kinematics));
   bytes.erase(bytes.begin(), bytes.begin() + k_first);
   for (const std::size_t at : {std::size_t{0}, std::size_t{52}}) {
     const std::vector<std::uint8_t> head(bytes.begin() + static_cast<std::ptrdiff_t>(at),

@@ -34,6 +34,16 @@ TEST(PrimaryMessages, OfProgramsAreRead) {
   CHECK(heard.empty());
 }
 
+/// Violation, fault, critical fault; below them warnings, above them words for developers.
+TEST(PrimaryMessages, FaultsAreTakenByTheirLevel) {
+  for (const auto& [level, count] : {std::pair{2, 0}, {3, 1}, {4, 1}, {5, 1}, {6, 0}, {131, 0}}) {
+    Bytes heard = test::error_code(100, 0, level, "text");
+    const auto sut = take_said(heard);
+    SUCCEEDS(sut);
+    LONGS_EQUAL(count, sut->size());
+  }
+}
+
 TEST(PrimaryMessages, WarningsAndOtherKindsSayNothingOfAProgram) {
   Bytes heard =
       test::joined({test::error_code(100, 0, 2, "a warning"), test::key_message("SOMETHING_ELSE", "x"),

@@ -50,7 +50,7 @@ inline Bytes error_code(std::int32_t code, std::int32_t argument, std::int32_t l
   Bytes body;
   rtde::Writer writer{body};
   for (const std::int32_t value : {code, argument, level}) writer.put(value);
-  writer.put(std::uint8_t{0});   // type of the data
+  writer.put(std::uint32_t{0});  // type of the data
   writer.put(std::uint32_t{0});  // data
   writer.put_text(text);
   return robot_message(6, body);

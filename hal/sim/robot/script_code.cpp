@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "hal/sim/robot/thread_code.hpp"
+#include "hal/sim/robot/script_code.hpp"
 
 #include <algorithm>
 #include <optional>
 #include <utility>
+
+#include "hal/sim/robot/script_rows.hpp"
 
 namespace biteline::sim {
 namespace {
@@ -42,50 +44,81 @@ Result<Instruction> call(RowReader& row, const std::string& name) {
 
 }  // namespace
 
-Result<bool> ThreadReader::take(std::string_view text, int line) {
-  RowReader row{text, line};
-  std::string name = row.word();
+Result<void> CodeReader::begin_block(RowReader& row, bool loop, int line) {
+  Instruction test{.kind = Instruction::Kind::JumpUnless, .line = line};
+  BITELINE_ASSIGN(test.value, row.expression());
+  if (!row.take(":") || !row.at_end()) return row.wrong("':'");
+  const std::size_t at = code_.instructions.size();
+  blocks_.push_back({.test = at, .begin = at, .loop = loop});
+  code_.instructions.push_back(std::move(test));
+  return {};
+}
+
+Result<void> CodeReader::next_part(RowReader& row, bool has_test, int line) {
+  if (blocks_.empty() || blocks_.back().loop || !blocks_.back().test) return row.wrong("an 'if' before");
+  Block& block = blocks_.back();
   std::vector<Instruction>& all = code_.instructions;
-  if (name == "while" || name == "if") {
-    Instruction test{.kind = Instruction::Kind::JumpUnless};
+  block.exits.push_back(all.size());
+  all.push_back({.kind = Instruction::Kind::Jump, .line = line});
+  all[*std::exchange(block.test, std::nullopt)].target = all.size();
+  if (has_test) {
+    Instruction test{.kind = Instruction::Kind::JumpUnless, .line = line};
     BITELINE_ASSIGN(test.value, row.expression());
-    if (!row.take(":") || !row.at_end()) return row.wrong("':'");
-    blocks_.push_back({.test = all.size(), .begin = all.size(), .loop = name == "while"});
+    block.test = all.size();
     all.push_back(std::move(test));
-    return false;
   }
-  if (name == "else") {
-    if (!row.take(":") || blocks_.empty() || blocks_.back().loop) return row.wrong("an 'if' before 'else:'");
-    all.push_back({.kind = Instruction::Kind::Jump});
-    all[blocks_.back().test].target = all.size();
-    blocks_.back().test = all.size() - 1;
-    return false;
-  }
-  if (name == "end") {
-    if (blocks_.empty()) return true;
-    const Block block = blocks_.back();
-    blocks_.pop_back();
-    if (block.loop) all.push_back({.kind = Instruction::Kind::Jump, .target = block.begin});
-    all[block.test].target = all.size();
-    return false;
-  }
-  if (name == "halt" || name == "return") {
-    all.push_back({.kind = name == "halt" ? Instruction::Kind::Halt : Instruction::Kind::Return});
-    return false;
-  }
+  if (!row.take(":") || !row.at_end()) return row.wrong("':'");
+  return {};
+}
+
+bool CodeReader::end_block() {
+  if (blocks_.empty()) return true;
+  const Block block = std::move(blocks_.back());
+  blocks_.pop_back();
+  std::vector<Instruction>& all = code_.instructions;
+  if (block.loop) all.push_back({.kind = Instruction::Kind::Jump, .target = block.begin});
+  if (block.test) all[*block.test].target = all.size();
+  for (const std::size_t exit : block.exits) all[exit].target = all.size();
+  return false;
+}
+
+Result<void> CodeReader::statement(RowReader& row, std::string name, std::string_view text, int line) {
   const bool local = name == "local";
   if (local || name == "global") name = row.word();
   if (row.take("(")) {
-    BITELINE_ASSIGN(Instruction instruction, call(row, name));
-    all.push_back(std::move(instruction));
-  } else if (row.take("=")) {
-    Instruction assign{.kind = Instruction::Kind::Assign, .name = name, .local = local};
-    BITELINE_ASSIGN(assign.value, row.expression());
-    all.push_back(std::move(assign));
-  } else {
-    return row.unknown(name);
+    Instruction instruction{.kind = Instruction::Kind::Row, .name = std::string{text}};
+    if (part_ == Part::Thread || name == "sync") {
+      BITELINE_ASSIGN(instruction, call(row, name));
+      if (!row.at_end()) return row.wrong("the end of the line");
+    } else if (!is_step_function(name)) {
+      return row.unknown(name);
+    }
+    instruction.line = line;
+    code_.instructions.push_back(std::move(instruction));
+    return {};
   }
+  if (!row.take("=")) return row.unknown(name);
+  Instruction assign{.kind = Instruction::Kind::Assign, .line = line, .name = name, .local = local};
+  BITELINE_ASSIGN(assign.value, row.expression());
   if (!row.at_end()) return row.wrong("the end of the line");
+  code_.instructions.push_back(std::move(assign));
+  return {};
+}
+
+Result<bool> CodeReader::take(std::string_view text, int line) {
+  RowReader row{text, line};
+  std::string name = row.word();
+  if (name == "end") return end_block();
+  if (name == "while" || name == "if") {
+    BITELINE_TRY(begin_block(row, name == "while", line));
+  } else if (name == "elif" || name == "else") {
+    BITELINE_TRY(next_part(row, name == "elif", line));
+  } else if (name == "halt" || name == "return") {
+    code_.instructions.push_back(
+        {.kind = name == "halt" ? Instruction::Kind::Halt : Instruction::Kind::Return, .line = line});
+  } else {
+    BITELINE_TRY(statement(row, std::move(name), text, line));
+  }
   return false;
 }
 
