@@ -11,7 +11,15 @@ options=(--bundle --minify --legal-comments=eof --target=es2021 --charset=utf8 -
 "$esbuild" src/viewer/main.tsx "${options[@]}" --loader:.css=text --outfile="$folder/viewer.js"
 "$esbuild" src/app/main.tsx "${options[@]}" --outfile="$folder/app.js"
 cp public/* "$folder/"
+# English is a part of the page; the others come when they are asked for.
+mkdir -p "$folder/words"
+for words in words/*.json; do
+  [[ "$words" == */en.json ]] || cp "$words" "$folder/words/"
+done
 # The same page for the factory's centre: its index.html says so.
 mkdir -p "$folder/centre"
-cp "$folder/app.js" "$folder/app.css" public/* "$folder/centre/"
+cp -r "$folder/app.js" "$folder/app.css" "$folder/words" public/* "$folder/centre/"
 sed -i 's|<title>|<meta name="biteline-centre" content="all cells">\n    <title>|' "$folder/centre/index.html"
+# Beside each file of some size the same, packed: what a browser is sent over a slow line.
+find "$folder" -name '*.gz' -delete
+find "$folder" -type f -size +2k ! -name viewer.js -exec gzip --best --no-name --keep {} +

@@ -60,11 +60,19 @@ class Connection {
   [[nodiscard]] net::awaitable<void> send_file_list(std::string scan);
   [[nodiscard]] net::awaitable<void> send_result_file(const WebRequest& request, std::string scan,
                                                       std::string path);
-  [[nodiscard]] net::awaitable<void> send_page(std::string path);
+  /// Packed where the client takes that and the file lies packed beside itself; nothing but "as you have it"
+  /// where it has it.
+  [[nodiscard]] net::awaitable<void> send_page(const WebRequest& request, std::string path);
   /// What the service names as its answer, for people to keep as `name`.
   [[nodiscard]] net::awaitable<void> send_download(const control::Answer& given, std::string name);
-  [[nodiscard]] net::awaitable<void> send_file(const ServedFile& file, std::string path,
-                                               std::string_view range, FileKind kind);
+  /// Give it a name before it is handed over: GCC 12 destroys a braced one within co_await twice.
+  struct SentAs {
+    FileKind kind;
+    std::string_view range{};
+    std::string tag{};   ///< of this version of the file; empty: not told
+    bool packed{false};  ///< by gzip
+  };
+  [[nodiscard]] net::awaitable<void> send_file(const ServedFile& file, std::string path, SentAs as);
   [[nodiscard]] net::awaitable<void> linger();
 
   /// What is wrong with the request before its address is looked at.

@@ -30,6 +30,22 @@ Json to_json(const std::vector<ListedFile>& files) {
   return {{"files", std::move(list)}};
 }
 
+/// RFC 9110, 12.5.3: gzip named, and not with a weight of 0.
+bool takes_gzip(std::string_view accepted) {
+  const std::size_t at = accepted.find("gzip");
+  if (at == std::string_view::npos) return false;
+  const std::string_view rest = accepted.substr(at + 4, accepted.substr(at).find(',') - 4);
+  const std::size_t weight = rest.find("q=0");
+  return weight == std::string_view::npos ||
+         rest.find_first_of("123456789", weight + 3) != std::string_view::npos;
+}
+
+/// Of this version of a file: another size, time or packing is another one.
+std::string tag_of(const ServedFile& file, bool packed) {
+  return "\"" + std::to_string(file.size_bytes()) + "-" + std::to_string(file.changed_ns()) +
+         (packed ? "-gzip\"" : "\"");
+}
+
 }  // namespace
 
 net::awaitable<void> Connection::send_openapi() {
@@ -90,13 +106,18 @@ net::awaitable<void> Connection::send_result_file(const WebRequest& request, std
     co_await send(not_found(path));
     co_return;
   }
-  co_await send_file(*file, path, view(request[http::field::range]), FileKind::Result);
+  SentAs as{.kind = FileKind::Result, .range = view(request[http::field::range])};
+  co_await send_file(*file, path, std::move(as));
 }
 
-net::awaitable<void> Connection::send_page(std::string path) {
+net::awaitable<void> Connection::send_page(const WebRequest& request, std::string path) {
   path.erase(0, 1);
   if (path.empty() || path.ends_with('/')) path += "index.html";
-  auto file = open_served_file(context_.config.page, path);
+  bool packed = takes_gzip(view(request[http::field::accept_encoding]));
+  Result<ServedFile> file = fail(Errc::FileNotFound, "packed");
+  if (packed) file = open_served_file(context_.config.page, path + ".gz");
+  packed = file.has_value();
+  if (!file) file = open_served_file(context_.config.page, path);
   if (!file) {
     WebAnswer refusal = not_found("/" + path);
     if (path == "index.html") {
@@ -106,7 +127,16 @@ net::awaitable<void> Connection::send_page(std::string path) {
     co_await send(std::move(refusal));
     co_return;
   }
-  co_await send_file(*file, path, {}, FileKind::Page);
+  const std::string tag = tag_of(*file, packed);
+  if (view(request[http::field::if_none_match]) == tag) {
+    WebAnswer unchanged{http::status::not_modified, 11};
+    unchanged.set(http::field::etag, tag);
+    unchanged.set(http::field::cache_control, "no-cache");
+    co_await send(std::move(unchanged), k_page_policy);
+    co_return;
+  }
+  SentAs as{.kind = FileKind::Page, .tag = tag, .packed = packed};
+  co_await send_file(*file, path, std::move(as));
 }
 
 net::awaitable<void> Connection::send_download(const control::Answer& given, std::string name) {
@@ -116,12 +146,13 @@ net::awaitable<void> Connection::send_download(const control::Answer& given, std
     co_return;
   }
   if (given.type == "application/x-tar") name += ".tar";
-  co_await send_file(*opened, clean_text(name, 80), {}, FileKind::Download);
+  SentAs as{.kind = FileKind::Download};
+  co_await send_file(*opened, clean_text(name, 80), std::move(as));
 }
 
-net::awaitable<void> Connection::send_file(const ServedFile& file, std::string path, std::string_view range,
-                                           FileKind kind) {
-  const RangeAnswer part = read_range(range, file.size_bytes());
+net::awaitable<void> Connection::send_file(const ServedFile& file, std::string path, SentAs as) {
+  const FileKind kind = as.kind;
+  const RangeAnswer part = read_range(as.range, file.size_bytes());
   if (part.kind == RangeKind::Refused) {
     WebAnswer refusal = error_answer(416, "range_refused", "the range lies beyond the file's end");
     refusal.set(http::field::content_range, "bytes */" + std::to_string(file.size_bytes()));
@@ -141,9 +172,14 @@ net::awaitable<void> Connection::send_file(const ServedFile& file, std::string p
                        stream_.encrypted());
   header.set(http::field::content_type, beast::string_view{type.data(), type.size()});
   header.set(http::field::cache_control, kind == FileKind::Page ? "no-cache" : "private, no-cache");
+  if (!as.tag.empty()) {
+    header.set(http::field::etag, as.tag);
+    header.set(http::field::vary, "Accept-Encoding");
+  }
+  if (as.packed) header.set(http::field::content_encoding, "gzip");
   if (kind == FileKind::Download)
     header.set(http::field::content_disposition, "attachment; filename=\"" + path + "\"");
-  header.set(http::field::accept_ranges, "bytes");
+  if (kind != FileKind::Page) header.set(http::field::accept_ranges, "bytes");
   if (part.kind == RangeKind::Part) {
     header.set(http::field::content_range, "bytes " + std::to_string(at) + "-" + std::to_string(end - 1) +
                                                "/" + std::to_string(file.size_bytes()));

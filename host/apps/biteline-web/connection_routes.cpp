@@ -59,7 +59,7 @@ net::awaitable<void> Connection::answer(const WebRequest& request) {
     refusal.set(http::field::allow, "GET, HEAD");
     co_await send(std::move(refusal));
   } else {
-    co_await send_page(*path);
+    co_await send_page(request, *path);
   }
 }
 

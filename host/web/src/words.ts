@@ -1,27 +1,52 @@
 // SPDX-License-Identifier: MIT
-// All texts of the page: one file per language in words/.  English is complete; another falls back to it.
-import de from '../words/de.json';
+// All texts of the page: one file per language in words/.  English is complete and a part of the page; another is
+// fetched when it is asked for.
 import en from '../words/en.json';
 
-export type Language = 'en' | 'de';
 export type Word = keyof typeof en;
 
-const languages: Record<Language, Partial<Record<Word, string>>> = { en, de };
-export const language_names: [Language, string][] = [
-  ['en', 'English'],
-  ['de', 'Deutsch'],
-];
+interface Tongue {
+  name: string; ///< in its own words
+  locale: string; ///< of numbers and dates; English here is that of the metric world
+  decimal_comma: boolean;
+}
+export const languages = {
+  en: { name: 'English', locale: 'en-GB', decimal_comma: false },
+  de: { name: 'Deutsch', locale: 'de', decimal_comma: true },
+  es: { name: 'Español', locale: 'es', decimal_comma: true },
+  hi: { name: 'हिन्दी', locale: 'hi', decimal_comma: false },
+  id: { name: 'Bahasa Indonesia', locale: 'id', decimal_comma: true },
+  it: { name: 'Italiano', locale: 'it', decimal_comma: true },
+  pt: { name: 'Português (Brasil)', locale: 'pt-BR', decimal_comma: true },
+  tr: { name: 'Türkçe', locale: 'tr', decimal_comma: true },
+  vi: { name: 'Tiếng Việt', locale: 'vi', decimal_comma: true },
+  zh: { name: '中文', locale: 'zh-CN', decimal_comma: false },
+} satisfies Record<string, Tongue>;
+export type Language = keyof typeof languages;
 
 let current: Language = 'en';
+let words: Record<string, string> = en;
 
 export function language(): Language {
   return current;
 }
 
-/// Kept for the next visit where the browser lets us.
-export function set_language(wanted: string | null): void {
-  current = wanted === 'de' ? 'de' : 'en';
-  document.documentElement.lang = current;
+/// Kept for the next visit where the browser lets us.  Words that do not come leave what is there.
+export async function set_language(wanted: string | null): Promise<void> {
+  const known: Language = wanted !== null && wanted in languages ? (wanted as Language) : 'en';
+  if (known === 'en') {
+    words = en;
+  } else {
+    try {
+      const answer = await fetch(`words/${known}.json`);
+      if (!answer.ok) return;
+      words = { ...en, ...(await answer.json()) };
+    } catch {
+      return;
+    }
+  }
+  current = known;
+  document.documentElement.lang = languages[current].locale;
   try {
     localStorage.setItem('biteline_language', current);
   } catch {
@@ -39,8 +64,7 @@ export function stored_language(): string | null {
 
 /// The words of `key`, with {name} replaced by `values.name`.
 export function t(key: Word, values: Record<string, string | number> = {}): string {
-  const text = languages[current][key] ?? en[key];
-  return text.replace(/\{(\w+)\}/g, (_, name: string) => String(values[name] ?? ''));
+  return words[key].replace(/\{(\w+)\}/g, (_, name: string) => String(values[name] ?? ''));
 }
 
 /// As t() for a key that the server names; its own text where the page has no words for it.
@@ -50,12 +74,12 @@ export function t_or(key: string, otherwise: string): string {
 
 /// A field's help.  In English the service says it itself (`otherwise`); the other languages' files have it.
 export function help_words(key: string, otherwise: string): string {
-  return (languages[current] as Record<string, string>)[key] ?? otherwise;
+  return words[key] ?? otherwise;
 }
 
-/// For numbers and dates: English here is that of the metric world.
+/// For numbers and dates.
 export function locale(): string {
-  return current === 'en' ? 'en-GB' : current;
+  return languages[current].locale;
 }
 
 let zone: string | undefined;
@@ -77,7 +101,21 @@ export function time_zone(): string | undefined {
 
 /// How a table is written that this language's spreadsheets open as one.
 export function csv_style(): Record<string, string> {
-  return current === 'en' ? {} : { separator: 'semicolon', decimal: 'comma', byte_mark: 'yes' };
+  return !languages[current].decimal_comma
+    ? {}
+    : { separator: 'semicolon', decimal: 'comma', byte_mark: 'yes' };
+}
+
+/// A number as people of this language write it; not a number where it is none.
+export function read_number(text: string): number {
+  const plain = languages[current].decimal_comma ? text.replace(',', '.') : text;
+  return text.trim() === '' ? Number.NaN : Number(plain);
+}
+
+/// Several, with blanks between them, and commas where a comma is no decimal sign.
+export function read_numbers(text: string): number[] {
+  const between = languages[current].decimal_comma ? /,?\s+/ : /[\s,]+/;
+  return text.trim().split(between).map(read_number);
 }
 
 export function number(value: number | null | undefined, digits = 2): string {

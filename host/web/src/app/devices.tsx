@@ -3,7 +3,7 @@
 import type { JSX } from 'preact';
 import { useMemo } from 'preact/hooks';
 import type { Disk, Robot, Sensor } from 'openapi';
-import { number, t, t_or } from '../words';
+import { locale, number, t, t_or } from '../words';
 import { MountedCard } from './mounted';
 import { Chart, Failure, Figures, Table } from './parts';
 import { use_reading, use_store } from './store';
@@ -103,7 +103,7 @@ export function Devices(): JSX.Element {
                 (name) =>
                   [
                     t_or(`figure_${name}`, name),
-                    sensor[name] === undefined ? '–' : Number(sensor[name]).toLocaleString(),
+                    sensor[name] === undefined ? '–' : Number(sensor[name]).toLocaleString(locale()),
                   ] as [string, string],
               ),
               ...upkeep_rows(sensor.upkeep),

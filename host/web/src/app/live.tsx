@@ -2,9 +2,9 @@
 // What the cell does now: lamps, picture, profile, cloud, and what waits for a person.
 import type { JSX } from 'preact';
 import { useEffect, useRef, useState } from 'preact/hooks';
-import type { Model, ScanRow } from 'openapi';
+import type { Model, ScanRow, State } from 'openapi';
 import { type Scale, gradient } from '../viewer/colours';
-import { amount, number, t, t_or } from '../words';
+import { amount, language, number, t, t_or } from '../words';
 import { call } from './api';
 import { Fresh, NotSendable, use_sendable, use_shown_version } from './fresh';
 import { watch_live } from './live_data';
@@ -311,6 +311,22 @@ export function Decide({ scan }: { scan: ScanRow }): JSX.Element {
   );
 }
 
+/// What happens now.  The service's own sentence is English: elsewhere its phase stands before it, in words.
+function NowWords({ state }: { state: State }): JSX.Element {
+  const english = language() === 'en';
+  return (
+    <>
+      <p class="big">
+        {english ? state.now : `${t(`phase_${state.phase}`)}${state.scan === null ? '' : ` (${state.scan})`}`}
+      </p>
+      {!english && <p lang="en">{state.now}</p>}
+      <p>
+        {t('next')} <span lang="en">{state.next}</span>
+      </p>
+    </>
+  );
+}
+
 export function Live(): JSX.Element {
   const { state, host } = use_store();
   const enabled = may('operator') && holds_control();
@@ -320,10 +336,7 @@ export function Live(): JSX.Element {
       <h1>{t('nav_live')}</h1>
       {state.simulated && <p class="notice">{t('simulated')}</p>}
       <section class="card now" aria-live="polite">
-        <p class="big">{state.now}</p>
-        <p>
-          {t('next')} {state.next}
-        </p>
+        <NowWords state={state} />
         {state.progress !== null && <progress value={state.progress} max={1} aria-label={t('progress')} />}
         <StartForm enabled={enabled} />
         <div class="tools">
@@ -352,7 +365,7 @@ export function Live(): JSX.Element {
               <span>
                 <strong>{t_or(`lamp_${name}`, name)}</strong>: {t_or(`level_${lamp.level}`, lamp.level)}
                 <br />
-                {lamp.words}
+                <span lang="en">{lamp.words}</span>
               </span>
             </li>
           );

@@ -2,7 +2,7 @@
 // Who is not logged in sees this: log in, the cell's first account, and the language.
 import type { JSX } from 'preact';
 import { useState } from 'preact/hooks';
-import { type Language, language, language_names, set_language, t } from '../words';
+import { language, languages, set_language, t } from '../words';
 import { NewNameField, NewPasswordField } from './account_fields';
 import { call } from './api';
 import { act, change, log_in, tell, words_of } from './store';
@@ -91,12 +91,11 @@ export function LanguageChoice(): JSX.Element {
       <select
         value={language()}
         onChange={(e) => {
-          set_language(e.currentTarget.value as Language);
-          change({});
+          void set_language(e.currentTarget.value).then(() => change({}));
         }}
       >
-        {language_names.map(([code, name]) => (
-          <option key={code} value={code} lang={code}>
+        {Object.entries(languages).map(([code, { name, locale }]) => (
+          <option key={code} value={code} lang={locale}>
             {name}
           </option>
         ))}

@@ -266,7 +266,12 @@ async function begin(): Promise<void> {
   else change({ known: true });
 }
 
-set_language(stored_language());
-const place = document.getElementById('app');
-if (place) render(<App />, place);
-void begin();
+/// In the language of the last visit from the first picture on; in English where its words do not come.
+async function show(): Promise<void> {
+  await set_language(stored_language());
+  const place = document.getElementById('app');
+  if (place) render(<App />, place);
+  await begin();
+}
+
+void show();

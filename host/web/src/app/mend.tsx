@@ -4,7 +4,7 @@ import type { JSX } from 'preact';
 import { useState } from 'preact/hooks';
 import type { Scan } from 'openapi';
 import type { Hand, ViewData, WeakStretch } from '../viewer/view_data';
-import { amount, number, t, t_or } from '../words';
+import { amount, number, read_number, read_numbers, t, t_or } from '../words';
 import { call } from './api';
 import { Table } from './parts';
 import { act, holds_control, may, time_words, use_store } from './store';
@@ -24,7 +24,7 @@ function read_points(text: string): number[][] | null {
     .split(/[;\n]/)
     .map((part) => part.trim())
     .filter((part) => part !== '')
-    .map((part) => part.split(/[\s,]+/).map(Number));
+    .map(read_numbers);
   return points.length > 0 && points.every((p) => p.length === 3 && p.every(Number.isFinite)) ? points : null;
 }
 
@@ -98,9 +98,8 @@ export function Mend({
     set_steps([...steps, step]);
     set_undone([]);
   };
-  const stretch = { from_mm: Number(from), to_mm: Number(to) };
-  const is_stretch =
-    from !== '' && to !== '' && Number.isFinite(stretch.from_mm) && Number.isFinite(stretch.to_mm);
+  const stretch = { from_mm: read_number(from), to_mm: read_number(to) };
+  const is_stretch = Number.isFinite(stretch.from_mm) && Number.isFinite(stretch.to_mm);
   const through = read_points(points);
   const range = (step: Step) =>
     step.from_mm === undefined ? '' : ` ${number(step.from_mm, 1)} … ${number(step.to_mm, 1)} mm`;

@@ -2,7 +2,6 @@
 // viewer.js in a result folder: shows view_data.js and files.js, which were loaded before it.
 import { render } from 'preact';
 import colours from '../colours.css';
-import { set_language } from '../words';
 import style from './viewer.css';
 import type { ResultFile, ViewData } from './view_data';
 import { Viewer } from './viewer';
@@ -16,8 +15,7 @@ declare global {
 
 const place = document.getElementById('viewer');
 if (place && window.biteline_view) {
-  // The page around it is in English.
-  set_language('en');
+  // The page around it is in English, and so are its words.
   const sheet = document.createElement('style');
   sheet.textContent = colours + style;
   document.head.append(sheet);

@@ -211,6 +211,34 @@ TEST(WebServer, FilesComeWholeInPartsAndNeverFromElsewhere) {
   check_refused(404, "not_found", sut.get("/api/v1/scans/results/files"));
 }
 
+TEST(WebServer, ThePageComesPackedAndOnlyWhenItChanged) {
+  const RunningServer sut;
+  sut.folder.write("page/app.js.gz", "packed");
+  const char* const takes = "Accept-Encoding: br, gzip\r\n";
+  const WebReply packed = sut.get("/app.js", takes);
+  STRCMP_EQUAL("packed", packed.body.c_str());
+  STRCMP_EQUAL("gzip", packed.header("content-encoding").c_str());
+  STRCMP_EQUAL("Accept-Encoding", packed.header("vary").c_str());
+  STRCMP_EQUAL("text/javascript; charset=utf-8", packed.header("content-type").c_str());
+  for (const char* refuses : {"", "Accept-Encoding: br\r\n", "Accept-Encoding: gzip;q=0, br\r\n"}) {
+    const WebReply plain = sut.get("/app.js", refuses);
+    STRCMP_EQUAL("1;", plain.body.c_str());
+    STRCMP_EQUAL("", plain.header("content-encoding").c_str());
+    CHECK(plain.header("etag") != packed.header("etag"));
+  }
+  STRCMP_CONTAINS("page", sut.get("/", takes).body.c_str());  // nothing packed lies beside it
+
+  const std::string known = "If-None-Match: " + packed.header("etag") + "\r\n";
+  const WebReply unchanged = sut.get("/app.js", takes + known);
+  LONGS_EQUAL(304, unchanged.status);
+  STRCMP_EQUAL("", unchanged.body.c_str());
+  STRCMP_EQUAL(packed.header("etag").c_str(), unchanged.header("etag").c_str());
+  STRCMP_CONTAINS("default-src 'none'", unchanged.header("content-security-policy").c_str());
+  LONGS_EQUAL(200, sut.get("/app.js", known).status);  // not the packed one
+  sut.folder.write("page/app.js.gz", "packed anew");
+  STRCMP_EQUAL("packed anew", sut.get("/app.js", takes + known).body.c_str());
+}
+
 TEST(WebServer, WrongMethodsAndPathsSaySo) {
   const RunningServer sut;
   const WebReply reply = sut.client().ask("DELETE", "/api/v1/state", k_session);
