@@ -29,7 +29,7 @@ std::size_t quiet_row(const SeenAt& seen, const RowsOnLine& rows) {
 }
 
 struct Length {
-  Arc arc;
+  Arc arc, within;
   double mm;
 };
 /// From the middle between the last good row and the first bad one to the middle between the last bad one and
@@ -44,10 +44,14 @@ Length length_of(const Open& open, const RowsOnLine& rows) {
                on_mm = 0.5 * rows.way_mm(last, (open.last + behind) % count);
   const double inner_mm = first == last ? 0 : rows.way_mm(first, last);
   if (open.last - open.first + 1 >= count)
-    return {.arc = {.from_mm = 0, .to_mm = rows.line_mm}, .mm = rows.line_mm};
+    return {.arc = {.from_mm = 0, .to_mm = rows.line_mm},
+            .within = {.from_mm = 0, .to_mm = rows.line_mm},
+            .mm = rows.line_mm};
   const auto on_line = [&](double mm) { return std::fmod(mm + rows.line_mm, rows.line_mm); };
   return {.arc = {.from_mm = on_line(rows.along_mm[first] - back_mm),
                   .to_mm = on_line(rows.along_mm[last] + on_mm)},
+          .within = {.from_mm = on_line(rows.along_mm[first] - 2 * back_mm),
+                     .to_mm = on_line(rows.along_mm[last] + 2 * on_mm)},
           .mm = back_mm + inner_mm + on_mm};
 }
 
@@ -93,6 +97,7 @@ std::vector<Fault> join_faults(const SeenAt& seen, const RowsOnLine& rows, const
     const std::size_t middle = frame.nearest(rows.along_mm[(o.first + o.last) / 2 % seen.size()]);
     faults.push_back({.kind = o.kind,
                       .along = length.arc,
+                      .within = length.within,
                       .low_mm = o.low_mm,
                       .high_mm = o.high_mm,
                       .middle_base = ways.point(frame.at(middle), middle, (o.low_mm + o.high_mm) / 2)});

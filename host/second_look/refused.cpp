@@ -23,7 +23,24 @@ std::span<const report::RefusalRow<Settle>> refusal_table(Settle) {
   using Row = report::RefusalRow<Settle>;
   static constexpr std::array k_rows{
       Row{WorkFaulty, "work_faulty", "look at the places that the report lists, and work them again"},
+      Row{StillFaulty, "still_faulty",
+          "a person decides: look at the places that the report lists, finish them by hand or name who has "
+          "them "
+          "worked again"},
       Row{WorkUnsure, "work_unsure", "look by eye at the stretches that the report lists"},
+  };
+  return k_rows;
+}
+
+std::span<const report::RefusalRow<NoRework>> refusal_table(NoRework) {
+  using enum NoRework;
+  using Row = report::RefusalRow<NoRework>;
+  static constexpr std::array k_rows{
+      Row{NothingMissing, "nothing_to_rework", "nothing, or look by eye where the look could not tell"},
+      Row{ForAPerson, "for_a_person",
+          "look at the places that the report lists; narrow ones may be worked twice where a person says so"},
+      Row{ReworkedBefore, "reworked_before",
+          "a person decides: look at what is still missing, and name who has it worked again"},
   };
   return k_rows;
 }

@@ -21,10 +21,20 @@ using Refusal = report::Refusal<Refused>;
 
 /// What a person settles: there is an answer, and it is not "all worked".
 enum class Settle {
-  WorkFaulty,  ///< something is missing, too narrow, too wide, beside or doubled
-  WorkUnsure,  ///< no fault, but stretches that nobody can tell of
+  WorkFaulty,   ///< something is missing, too narrow, too wide, beside or doubled
+  StillFaulty,  ///< likewise, after it was worked once more
+  WorkUnsure,   ///< no fault, but stretches that nobody can tell of
 };
 
 [[nodiscard]] std::span<const report::RefusalRow<Settle>> refusal_table(Settle);
+
+/// Why nothing is worked once more.
+enum class NoRework {
+  NothingMissing,  ///< the look tells of no fault, or of nothing at all
+  ForAPerson,      ///< no fault that goes away without working twice what is there
+  ReworkedBefore,  ///< once is done by itself; a person decides on more
+};
+
+[[nodiscard]] std::span<const report::RefusalRow<NoRework>> refusal_table(NoRework);
 
 }  // namespace biteline::second_look

@@ -42,6 +42,7 @@ enum class FaultKind : std::uint8_t {
 struct Fault {
   FaultKind kind{FaultKind::Missing};
   Arc along{};
+  Arc within{};                  ///< from the last profile before it that lacks it to the first one behind
   double low_mm{0}, high_mm{0};  ///< what of the surface across it takes
   Vec3 middle_base{Vec3::Zero()};
 };

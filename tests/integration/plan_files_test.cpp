@@ -3,7 +3,9 @@
 #include <CppUTest/TestHarness.h>
 
 #include <cstdio>
+#include <fstream>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "host/cloud/closed_line.hpp"
 #include "host/intake/child_process.hpp"
@@ -45,11 +47,21 @@ TEST_GROUP(PlanFiles) {
     if (*status != 0) LONGS_EQUAL(1, child->stderr_lines());
     return *status;
   }
+  int flow_test(const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> arguments{"flow-test", "--robot",    "UR10e",  "--process", spray,
+                                       "--at",      "650",        "0",      "80",        "90",
+                                       "--out",     out.string(), "--quiet"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    auto child = ChildProcess::start({.program = BITELINE_TOOL, .arguments = std::move(arguments)});
+    SUCCEEDS(child);
+    return child->wait(120s).value_or(-1);
+  }
   std::string status_told() const {
     std::ifstream stream{out / "report.json"};
     const auto json = test::read_json(stream);
     return json.is_object() ? json.value("status", "") : "";
   }
+  const std::string spray{fs::path{BITELINE_PROCESSES} / "spray.yaml"};
   const std::string grind{fs::path{BITELINE_PROCESSES} / "grind.yaml"};
 };
 
@@ -98,6 +110,34 @@ TEST(PlanFiles, FullDiskLeavesNoScript) {
   }
   CHECK(full >= 3);
   CHECK(fitted >= 1);
+}
+
+/// Ends behind by 30 ms at each stroke's speed: filled in and given back.
+TEST(PlanFiles, AFlowTestsStrokesAreFilledInAndTellTheDelays) {
+  LONGS_EQUAL(0, flow_test());
+  CHECK(fs::file_size(out / "path.script") > 1000);
+  std::ifstream strokes{out / "strokes.csv"};
+  std::string table;
+  int rows = 0;
+  for (std::string row; std::getline(strokes, row); ++rows) {
+    if (row.starts_with('#')) {
+      table += row + "\n";
+      continue;
+    }
+    std::vector<std::string> fields;
+    std::istringstream parts{row};
+    for (std::string field; std::getline(parts, field, ',');) fields.push_back(field);
+    const double speed_mm_s = std::stod(fields[7]);
+    table += row.substr(0, row.size() - 3) + ",0.5," + std::to_string(0.03 * speed_mm_s) + ",\n";
+  }
+  LONGS_EQUAL(5, rows);
+  LONGS_EQUAL(0, flow_test({"--measured", folder.write("measured.csv", table)}));
+  std::ifstream stream{out / "report.json"};
+  const auto json = test::read_json(stream);
+  DOUBLES_EQUAL(30, json["flow"]["gun_off_ms"].get<double>(), 0.1);
+  DOUBLES_EQUAL(0, json["flow"]["shift_mm"].get<double>(), 0.01);
+  CHECK(json["flow"]["lag_ms"].is_null());
+  LONGS_EQUAL(2, flow_test({"--measured", folder.write("three.csv", table.substr(0, table.size() / 2))}));
 }
 
 }  // namespace biteline

@@ -9,8 +9,10 @@
 #include "host/apps/biteline/cloud_option.hpp"
 #include "host/apps/biteline/command.hpp"
 #include "host/apps/biteline/inspect_files.hpp"
+#include "host/apps/biteline/rework_files.hpp"
 #include "host/geometry/closed_curve.hpp"
 #include "host/intake/session_run.hpp"
+#include "host/records/digest/digest.hpp"
 #include "host/records/report/progress.hpp"
 #include "host/robot/path/zones.hpp"
 
@@ -111,15 +113,16 @@ std::string summary(const second_look::Findings& findings) {
 }
 
 /// Done, to be looked at by a person, or refused.
-void judge(const second_look::Findings& findings, report::Report& report) {
+void judge(const second_look::Findings& findings, bool reworked, report::Report& report) {
   using second_look::Settle;
   if (findings.refusal) return report.refuse(*findings.refusal);
   if (!findings.faults.empty())
-    return report.review(
-        report::Refusal<Settle>{.code = Settle::WorkFaulty,
-                                .reason = FixedText<120>::format("%zu faults along %.0f mm of work",
-                                                                 findings.faults.size(), findings.planned_mm)
-                                              .c_str()});
+    return report.review(report::Refusal<Settle>{
+        .code = reworked ? Settle::StillFaulty : Settle::WorkFaulty,
+        .reason = FixedText<160>::format("%zu faults along %.0f mm of work%s", findings.faults.size(),
+                                         findings.planned_mm,
+                                         reworked ? ", after it was worked once more: a person decides" : "")
+                      .c_str()});
   if (findings.unclear_mm > 0)
     report.review(report::Refusal<Settle>{
         .code = Settle::WorkUnsure,
@@ -141,12 +144,17 @@ Result<ExitStatus> inspect(const InspectOptions& options, const GlobalOptions& g
       report.timed("compare", [&] { return second_look::look_again(first, second, line, plan); });
   report.fields["first"] = options.first.filename().string();
   report.fields["second"] = options.second.filename().string();
+  BITELINE_ASSIGN(report.fields["line_sha256"], digest_of_file(options.first / "line.csv"));
+  BITELINE_ASSIGN(report.fields["process_sha256"], digest_of_file(options.process));
+  report.fields["foot"] = options.foot;
+  BITELINE_ASSIGN(const std::size_t reworks, reworks_of(options.first));
+  report.fields["reworks"] = reworks;
   report.fields["work"] = as_json(findings, plan);
   if (!findings.places.empty()) {
     BITELINE_TRY(report::write_file_atomically(options.out / "band.csv", band_table(findings)));
     BITELINE_TRY(report::write_file_atomically(options.out / "band.svg", band_picture(findings, plan)));
   }
-  judge(findings, report);
+  judge(findings, reworks > 0, report);
   BITELINE_TRY(report.write(options.out));
   return tell(report, global, summary(findings));
 }

@@ -85,6 +85,8 @@ nlohmann::ordered_json as_json(const Findings& findings, const second_look::Plan
     faults.push_back({{"kind", second_look::name_of(fault.kind)},
                       {"from_mm", fault.along.from_mm},
                       {"to_mm", fault.along.to_mm},
+                      {"within_from_mm", fault.within.from_mm},
+                      {"within_to_mm", fault.within.to_mm},
                       {"low_mm", fault.low_mm},
                       {"high_mm", fault.high_mm},
                       {"middle_mm", point_json(fault.middle_base)}});
@@ -95,6 +97,7 @@ nlohmann::ordered_json as_json(const Findings& findings, const second_look::Plan
   return {{"planned_low_mm", plan.low_mm},
           {"planned_high_mm", plan.high_mm},
           {"tolerance_mm", plan.tolerance_mm},
+          {"line_mm", findings.line_mm},
           {"planned_mm", findings.planned_mm},
           {"worked_mm", findings.worked_mm},
           {"unclear_mm", findings.unclear_mm},

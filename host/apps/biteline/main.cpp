@@ -144,6 +144,7 @@ int main(int argc, char** argv) {
   add_evaluate(app, context);
   add_explain(app, context);
   add_extract(app, context);
+  add_flow_test(app, context);
   add_history(app, context);
   add_calibrate(app, context);
   add_inspect(app, context);
@@ -153,6 +154,7 @@ int main(int argc, char** argv) {
   add_mounted(app, context);
   add_record(app, context);
   add_replay(app, context);
+  add_rework(app, context);
   add_plan(app, context);
   add_batch(app, context);
   add_settings(app, context);

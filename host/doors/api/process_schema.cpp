@@ -92,6 +92,10 @@ constexpr std::array k_help{
     Help{"flow.analog_output", "Output that goes with the speed of the place that is worked; -1: none"},
     Help{"flow.full_mm_s", "Speed at which it is full; 0: the line's fastest"},
     Help{"flow.lag_ms", "How long the flow follows the analog output; the output is ahead by so much"},
+    Help{"flow.purge_ms", "How long the gun is open beside the shoe before the line; 0: not at all"},
+    Help{"flow.purge_x_mm", "Place of the tip then, in the arm's base; the tool points straight down"},
+    Help{"flow.purge_y_mm", "Likewise"},
+    Help{"flow.purge_z_mm", "Likewise, upwards"},
 };
 
 Json bounds_of(const KeyAsked& key) {

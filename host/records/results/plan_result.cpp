@@ -120,6 +120,19 @@ void add_uncertain_places(report::Page& page, const path::PlanRequest& request,
   page.table({"along the path from", "to", "U95"}, rows);
 }
 
+/// What write_coverage() has found.
+void add_coverage(report::Page& page, const ordered_json& fields) {
+  if (!fields.contains("coverage")) return;
+  const ordered_json& coverage = fields["coverage"];
+  const auto mm = [&](const char* key) { return report::value_text(coverage[key].get<double>(), "mm"); };
+  page.heading("What the tool covers");
+  page.table({"width on the surface", "", "along the path at"},
+             {{"least", mm("least_width_mm"), mm("least_at_mm")},
+              {"median", mm("median_width_mm"), ""},
+              {"most", mm("most_width_mm"), mm("most_at_mm")}});
+  page.picture("coverage.png", "once (green), again (red)");
+}
+
 /// index.html: the verdict, the viewer, every check.
 Result<void> write_page(const fs::path& folder, const path::PlanRequest& request,
                         const path::PlanOutcome& outcome, const report::Report& report) {
@@ -152,6 +165,7 @@ Result<void> write_page(const fs::path& folder, const path::PlanRequest& request
   if (outcome.refusal) add_next_step(page, report::told(*outcome.refusal));
   add_viewer(page, folder);
   add_uncertain_places(page, request, outcome);
+  add_coverage(page, report.fields);
   page.heading("Checks");
   std::vector<std::vector<std::string>> rows;
   for (const path::Check& check : outcome.checks) {
@@ -168,7 +182,7 @@ Result<void> write_page(const fs::path& folder, const path::PlanRequest& request
 /// A name that cannot be removed is no name of a plan's file, or the next write says why.
 void remove_plan(const fs::path& folder) {
   for (const char* name : {"path.script", "path.csv", "tracking.html", "report.json", "index.html",
-                           "view_data.js", "files.js"}) {
+                           "view_data.js", "files.js", "coverage.ply", "coverage.png"}) {
     std::error_code ignored;  // nothing there is what is wanted
     fs::remove(folder / name, ignored);
   }

@@ -69,6 +69,11 @@ Errc errc_of(Halt halt) {
   return Errc::CheckFailed;
 }
 
+/// Stands so long on its way there.
+double purge_s(const path::PlannedPath& path) {
+  return path.purge_via && path.flow ? path.flow->purge_s + path.flow->gun_off_s : 0;
+}
+
 /// Watches one run, state by state.
 class Run {
  public:
@@ -78,7 +83,7 @@ class Run {
         mark_{permitted.mark()},
         watch_{permitted.path().path(), options.limits, from},
         longest_s_{options.way_there_rad / permitted.path().path().motion.way_there_rad_s +
-                   permitted.path().duration_s() / options.slowest_ratio},
+                   purge_s(permitted.path().path()) + permitted.path().duration_s() / options.slowest_ratio},
         unusable_{link.status().unusable_states},
         sent_{from.received},
         newest_{from} {}

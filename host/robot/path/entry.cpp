@@ -20,8 +20,8 @@ double farthest_rad(const Joints& from_rad, const Joints& to_rad) {
   return (to_rad - from_rad).cwiseAbs().maxCoeff();
 }
 
-/// The posture with the tip there to which the joint with the farthest way has the shortest, over branches
-/// and free turns; what stands in the way is not looked at.  None: out of reach.
+}  // namespace
+
 std::optional<Joints> nearest_posture(const kinematics::ArmModel& arm, const SE3& T_base_tcp,
                                       const Tool& tool, const Joints& from_rad) {
   constexpr int k_turns = 12;
@@ -40,8 +40,6 @@ std::optional<Joints> nearest_posture(const kinematics::ArmModel& arm, const SE3
   }
   return nearest_rad;
 }
-
-}  // namespace
 
 std::vector<Seam> seams_in_order(const cloud::ClosedLine& line, const Process& process,
                                  const kinematics::ArmModel& arm, const std::optional<Joints>& from_rad) {

@@ -13,6 +13,12 @@ namespace biteline::path {
                                                const kinematics::ArmModel& arm,
                                                const std::optional<kinematics::Joints>& from_rad);
 
+/// The posture with the tip there to which the joint with the farthest way has the shortest, over branches
+/// and free turns; what stands in the way is not looked at.  None: out of reach.
+[[nodiscard]] std::optional<kinematics::Joints> nearest_posture(const kinematics::ArmModel& arm,
+                                                                const SE3& T_base_tcp, const Tool& tool,
+                                                                const kinematics::Joints& from_rad);
+
 /// How much farther back along the tool than the process asks the way in had better begin, so that the arm
 /// comes there straight: a longer way in takes less time than a detour, which stops.  0 also where no way in
 /// helps.

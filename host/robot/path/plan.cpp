@@ -11,6 +11,7 @@
 #include "host/robot/path/checks/sight.hpp"
 #include "host/robot/path/checks/way_there.hpp"
 #include "host/robot/path/entry.hpp"
+#include "host/robot/path/purge.hpp"
 #include "host/robot/path/tip_bound.hpp"
 #include "host/robot/path/zones.hpp"
 
@@ -136,7 +137,7 @@ Remedy find_remedy(const Scene& scene, const Process& process, kinematics::ArmMo
 
 /// Nothing is left out, so that the first run comes over its own beginning.
 bool is_closed(const Process& process) {
-  return std::ranges::none_of(process.zones, &Zone::left_out);
+  return process.only.empty() && std::ranges::none_of(process.zones, &Zone::left_out);
 }
 
 PlannedPath assembled(const PlanRequest& request, const ToolPath& path, const JointPath& joints,
@@ -170,6 +171,8 @@ PlannedPath assembled(const PlanRequest& request, const ToolPath& path, const Jo
       out.waypoints.back().acceleration_mm_s2 = timing.acceleration_mm_s2[i];
   }
   out.give_mm = largest_give_mm(out, request.arm);
+  if (purges(out.flow, out.tool_off))
+    out.purge_rad = purge_posture(request.arm, request.process.tool, *out.flow, out.waypoints.front().q_rad);
   return out;
 }
 
@@ -216,6 +219,15 @@ Check air_check(const PlannedPath& path, const Surroundings& surroundings, doubl
   return check;
 }
 
+/// Of a path that purges before its line.
+Check purge_check(const Process& process, const CheckedPath& path, const Surroundings& surroundings) {
+  Check check = check_purge(process, surroundings);
+  if (path.path().purge_rad) return check;
+  check.passed = false;
+  check.detail = "the arm does not reach the place of the purge with the tool straight down";
+  return check;
+}
+
 /// Where the arm stands before, or about so, where that is known.
 std::optional<kinematics::Joints> stands_at(const PlanRequest& request) {
   const std::optional<kinematics::Joints>& from_rad = request.from_rad ? request.from_rad : request.near_rad;
@@ -248,6 +260,10 @@ Attempt try_entry(const PlanRequest& request, const Scene& scene, const Collisio
   if (request.least_tip_to_shoe_mm > 0 && attempt.outcome.path) {
     attempt.outcome.checks.push_back(
         air_check(attempt.outcome.path->path(), scene.surroundings, request.least_tip_to_shoe_mm));
+    if (!attempt.outcome.checks.back().passed) attempt.outcome.path.reset();
+  }
+  if (purges(request.process.flow, request.tool_off) && attempt.outcome.path) {
+    attempt.outcome.checks.push_back(purge_check(request.process, *attempt.outcome.path, scene.surroundings));
     if (!attempt.outcome.checks.back().passed) attempt.outcome.path.reset();
   }
   if (request.process.sight && attempt.outcome.path) {
@@ -309,6 +325,7 @@ PlanOutcome plan(const PlanRequest& request) {
     return out;
   }
   for (Check& check : check_zones(request.line, request.process)) out.checks.push_back(std::move(check));
+  for (Check& check : check_pieces(request.line, request.process)) out.checks.push_back(std::move(check));
   if (!all_passed(out.checks)) {
     out.refusal = Refusal{.code = Refused::LineUnfit, .reason = failures(out.checks)};
     return out;

@@ -218,7 +218,11 @@ Flow read_flow(YamlReader reader, const Process& process) {
       .analog_output =
           static_cast<int>(reader.integer_or("analog_output", -1, {.minimum = -1, .maximum = 1})),
       .full_mm_s = reader.number_or("full_mm_s", 0, {.minimum = 0, .maximum = 5000}),
-      .lag_s = reader.number_or("lag_ms", 0, {.minimum = 0, .maximum = 500}) * k_s_per_ms};
+      .lag_s = reader.number_or("lag_ms", 0, {.minimum = 0, .maximum = 500}) * k_s_per_ms,
+      .purge_s = reader.number_or("purge_ms", 0, {.minimum = 0, .maximum = 10000}) * k_s_per_ms};
+  int axis = 0;
+  for (const char* key : {"purge_x_mm", "purge_y_mm", "purge_z_mm"})
+    flow.purge_at_base[axis++] = reader.number_or(key, 0, {.minimum = -2000, .maximum = 2000});
   if (flow.film_overlap_mm > overlap_mm)
     reader.fault(Errc::BadValue, "film_overlap_mm", "at most motion.overlap_mm");
   if (flow.full_mm_s == 0) flow.full_mm_s = fastest;
@@ -232,7 +236,7 @@ Flow read_flow(YamlReader reader, const Process& process) {
 /// A form that was filled in and emptied leaves a flow without a word.
 bool says_anything(const Flow& flow, double overlap_mm) {
   return flow.gun_on_s > 0 || flow.gun_off_s > 0 || flow.dwell_s > 0 || flow.analog_output >= 0 ||
-         flow.film_overlap_mm < overlap_mm;
+         flow.purge_s > 0 || flow.film_overlap_mm < overlap_mm;
 }
 
 Start read_start(YamlReader& reader) {

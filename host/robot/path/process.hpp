@@ -104,6 +104,9 @@ struct Flow {
   int analog_output{-1};  ///< goes with the speed of the place that is worked; -1: none
   double full_mm_s{0};    ///< the speed that it is full at; at least the line's fastest
   double lag_s{0};        ///< of the flow behind the output: the output is ahead by so much
+  double dry_end_mm{0};   ///< of each run's end without film; of no file: test lines (flow_test.hpp)
+  double purge_s{0};      ///< open at full flow before the line, beside the shoe; 0: not at all
+  Vec3 purge_at_base{Vec3::Zero()};  ///< where the tip is then, in the arm's base, the tool straight down
 };
 
 /// What must hold before a path is sent.
@@ -148,6 +151,12 @@ struct Zone {
   double ramp_mm{5};  ///< within its ends, over which offsets and angles change
 };
 
+/// A part of the line by its own length, mm from its first point; over that where `to_mm` is less.
+struct Piece {
+  double from_mm{0}, to_mm{0};
+  double speed_ratio{1};  ///< of what process and zones have there
+};
+
 /// A scanning head's two eyes, in tcp.
 struct Sight {
   Vec3 camera_tcp{Vec3::Zero()};
@@ -168,6 +177,8 @@ struct Process {
   std::optional<Flow> flow{};  ///< none: on from the beginning to the end, at whatever speed
   std::string foot{};          ///< that its stretches are told on, left or right; empty: on either one
   std::vector<Zone> zones{};   ///< where two meet, the first one counts
+  /// What of the line is worked of all that the zones leave; empty: all.  Of no file: rework and test lines.
+  std::vector<Piece> only{};
 };
 
 /// Width worked at once, mm: the contact's, or the cone's at the standoff.

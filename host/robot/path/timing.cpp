@@ -330,13 +330,25 @@ class Timer {
   /// The arm's give slows no tool below what its process needs.
   [[nodiscard]] double least_mm_s() const { return 1.05 * motion_.minimum_speed_mm_s; }
 
+  /// Of the joints per mm, the faster of both steps: those of a travel are long.
+  [[nodiscard]] Joints step_rate(std::size_t i) const {
+    const auto of = [&](std::size_t from) {
+      const double mm = step_mm(path_, from);
+      return mm > 0 ? Joints{(joints_.q_rad[from + 1] - joints_.q_rad[from]).cwiseAbs() / mm}
+                    : Joints{Joints::Zero()};
+    };
+    return of(i - 1).cwiseMax(of(std::min(i, path_.points.size() - 2)));
+  }
+
   [[nodiscard]] double limit_mm_s(const Derivatives& d, std::size_t i) const {
     double limit_mm_s = std::min(process_speed_mm_s(path_, i, motion_), k_most_speed_mm_s);
     const double curvature = path_.points[i].curvature_per_mm;
     if (curvature > 1e-6)
       limit_mm_s = std::min(limit_mm_s, std::sqrt(motion_.cross_acceleration_mm_s2 / curvature));
+    const Joints rate =
+        path_.points[i].segment == Segment::Travel ? step_rate(i) : Joints{d.first.cwiseAbs()};
     for (int joint = 0; joint < 6; ++joint) {
-      const double first = std::abs(d.first[joint]);
+      const double first = rate[joint];
       if (first > 1e-9)
         limit_mm_s = std::min(limit_mm_s, motion_.joint_speed_ratio * arm_.limits.speed_rad_s[joint] / first);
     }

@@ -2,6 +2,7 @@
 #include "host/robot/path/tool_path.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "common/core/contracts.hpp"
@@ -21,6 +22,8 @@ constexpr double k_tangent_sigma_mm = 3;
 constexpr double k_approach_spacing_mm = 10;
 // The line is sampled this much finer than the path, whose points are then picked along the tip's own way.
 constexpr double k_finer = 4;
+// A piece of its own begins and ends at a sample: within half of this.
+constexpr double k_piece_step_mm = 0.1;
 constexpr std::size_t k_seam_sectors = 8;
 constexpr double k_seam_apart_mm = 20;
 // So that a length of a whole number of steps is not cut into one more by its last digit.
@@ -123,8 +126,8 @@ struct Sampling {
 };
 Sampling sampled(const cloud::ClosedLine& line, const Process& process) {
   const double length_mm = cloud::length_mm(line);
-  const auto count =
-      static_cast<std::size_t>(std::max(64.0, std::round(k_finer * length_mm / process.motion.spacing_mm)));
+  const double per_mm = process.only.empty() ? k_finer / process.motion.spacing_mm : 1 / k_piece_step_mm;
+  const auto count = static_cast<std::size_t>(std::max(64.0, std::round(per_mm * length_mm)));
   const double fine_mm = length_mm / static_cast<double>(count);
   const double sigma_mm =
       k_direction_sigma_mm + k_direction_sigma_per_standoff * process.placement.standoff_mm;
@@ -291,12 +294,32 @@ SE3 lifted(const SE3& T, const Motion& motion) {
   return shifted(clear(T, motion), motion.lift_mm * Vec3::UnitZ());
 }
 
-/// From above one place of the line to above another, the shorter way round; without its beginning.
-std::vector<ToolPoint> travel(const Job& job, std::size_t from, std::size_t to, const Motion& motion) {
+/// From one run's end to another's beginning, the shorter way round.
+struct WayRound {
+  std::size_t steps{0};
+  bool forwards{true};
+};
+WayRound way_round(const Job& job, const Run& before, const Run& next) {
   const std::size_t count = job.count();
-  const std::size_t ahead = (to + count - from % count) % count;
+  const std::size_t ahead = (next.first + count - (before.first + before.steps) % count) % count;
   const bool forwards = 2 * ahead <= count;
-  const std::size_t steps = forwards ? ahead : count - ahead;
+  return {.steps = forwards ? ahead : count - ahead, .forwards = forwards};
+}
+
+/// How the tool leaves one run for the next.  Between pieces of their own it only draws back where the way
+/// is shorter than farther back and up, and down again.
+Motion between(const Job& job, const Process& process, const Run& before, const Run& next) {
+  Motion motion = process.motion;
+  const double way_mm = job.line.fine_mm * static_cast<double>(way_round(job, before, next).steps);
+  if (!process.only.empty() && way_mm < 2 * (motion.lift_mm + motion.draw_back_mm))
+    motion.lift_mm = motion.draw_back_mm = 0;
+  return motion;
+}
+
+/// From above one run's end to above another's beginning, the shorter way round; without its own beginning.
+std::vector<ToolPoint> travel(const Job& job, const Run& before, const Run& next, const Motion& motion) {
+  const std::size_t count = job.count(), from = before.first + before.steps;
+  const auto [steps, forwards] = way_round(job, before, next);
   FineWay way;
   for (std::size_t k = 0; k <= steps; ++k) {
     way.frames.push_back(lifted(job.frame(forwards ? from + k : from + count - k), motion));
@@ -358,24 +381,33 @@ void append_run(std::vector<ToolPoint>& points, const std::vector<ToolPoint>& al
   straight(clear(T_out, motion_out), lifted(T_out, motion_out), Segment::Retreat, along.back().line_base);
 }
 
+/// Each piece's own beginning, the one first from which the ways between all of them are shortest.
+std::vector<Seam> piece_beginnings(const Job& job, const Process& process) {
+  // A way at the usual speed between places, against a turn of the joints to the beginning (entry.cpp).
+  constexpr double k_harm_per_mm = 1e-3;
+  const std::vector<Run> runs = runs_along(job.work, process, 0, 0);
+  std::vector<Seam> out;
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    const Run& before = runs[(i + runs.size() - 1) % runs.size()];
+    const std::size_t hole = (runs[i].first + 2 * job.count() - before.first - before.steps) % job.count();
+    out.push_back({.arc_mm = job.line.fine_mm * static_cast<double>(runs[i].first),
+                   .harm = k_harm_per_mm * job.line.fine_mm * static_cast<double>(job.count() - hole),
+                   .T_base_begins = lifted(job.frame(runs[i].first), process.motion)});
+  }
+  std::ranges::sort(out, {}, &Seam::harm);
+  return out;
+}
+
 }  // namespace
 
 const char* name_of(Segment segment) {
-  switch (segment) {
-    case Segment::Approach:
-      return "approach";
-    case Segment::Line:
-      return "line";
-    case Segment::Retreat:
-      return "retreat";
-    case Segment::Travel:
-      return "travel";
-  }
-  return "";
+  static constexpr std::array k_names{"approach", "line", "retreat", "travel"};
+  return k_names[static_cast<std::size_t>(segment)];
 }
 
 std::vector<Seam> seam_candidates(const cloud::ClosedLine& line, const Process& process) {
   const Job job = job_of(line, process);
+  if (!process.only.empty()) return piece_beginnings(job, process);
   const std::vector<PathSample>& samples = job.line.samples;
   const double fine_mm = job.line.fine_mm;
   std::vector<double> cost(samples.size());
@@ -435,6 +467,8 @@ ToolPath make_tool_path(const cloud::ClosedLine& line, const Process& process, d
     }
     done_mm += ways[i].mm;
     const std::vector<ToolPoint> along = along_run(job, runs[i], ways[i], path.spacing_mm);
+    const bool last = i + 1 == runs.size();
+    const Motion motion_out = last ? motion : between(job, process, runs[i], runs[i + 1]);
     Motion motion_in = motion;
     if (i == 0) {
       motion_in.draw_back_mm += farther_back_mm;
@@ -444,11 +478,11 @@ ToolPath make_tool_path(const cloud::ClosedLine& line, const Process& process, d
                              .curvature_per_mm = 0,
                              .line_base = along.front().line_base});
     } else {
-      const std::vector<ToolPoint> way =
-          travel(job, runs[i - 1].first + runs[i - 1].steps, runs[i].first, motion);
+      motion_in = between(job, process, runs[i - 1], runs[i]);
+      const std::vector<ToolPoint> way = travel(job, runs[i - 1], runs[i], motion_in);
       path.points.insert(path.points.end(), way.begin(), way.end());
     }
-    append_run(path.points, along, motion_in, motion);
+    append_run(path.points, along, motion_in, motion_out);
   }
   for (std::size_t i = 1; i < path.points.size(); ++i) {
     path.points[i].arc_mm =

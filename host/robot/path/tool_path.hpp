@@ -34,11 +34,11 @@ struct ToolPath {
   double chord_error_arc_mm{0};  ///< where, along the tip's path on the line
 };
 
-/// Lift, approach, the whole line once and its overlap, and away again; with zones (zones.hpp) each stretch
-/// so, and the way to the next one between.  Tool directions are smoothed along the line (8 mm), so that
-/// noise of a normal does not shake the wrist; positions are not.  The first way in begins
-/// `farther_back_mm` farther back along the tool than the process asks.  Pre: the line passed check_line()
-/// and check_zones().
+/// Lift, approach, the whole line once and its overlap, and away again; with zones (zones.hpp) or pieces
+/// of its own (`Process::only`) each stretch so, and the way to the next one between.  Tool directions are
+/// smoothed along the line (8 mm), so that noise of a normal does not shake the wrist; positions are not. The
+/// first way in begins `farther_back_mm` farther back along the tool than the process asks.  Pre: the line
+/// passed check_line() and check_zones().
 [[nodiscard]] ToolPath make_tool_path(const cloud::ClosedLine& line, const Process& process,
                                       double seam_arc_mm, double farther_back_mm = 0);
 
@@ -49,7 +49,8 @@ struct Seam {
   SE3 T_base_begins;  ///< where a path from there begins, before any free turn
 };
 
-/// The least harmful first: one place for a start that the process fixes, else the best of eight sectors.
+/// The least harmful first: one place for a start that the process fixes, else the best of eight sectors; of
+/// a process of pieces of its own, the beginnings of these.
 /// Pre: the line passed check_line() and check_zones().
 [[nodiscard]] std::vector<Seam> seam_candidates(const cloud::ClosedLine& line, const Process& process);
 

@@ -63,6 +63,54 @@ double share_at(std::span<const PlaceWork> work, std::size_t i, double ramp_step
   return t * t * (3 - 2 * t);
 }
 
+/// What the zones say of each place.
+void work_in_zones(std::vector<PlaceWork>& work, std::span<const Vec3> line, double spacing_mm,
+                   const Process& process) {
+  const Places places{line};
+  for (std::size_t i = 0; i < work.size(); ++i) {
+    for (std::size_t z = 0; z < process.zones.size() && work[i].zone < 0; ++z) {
+      if (places.within(i, process.zones[z])) work[i].zone = static_cast<int>(z);
+    }
+    if (work[i].zone >= 0) work[i].left_out = process.zones[static_cast<std::size_t>(work[i].zone)].left_out;
+  }
+  for (std::size_t i = 0; i < work.size(); ++i) {
+    if (work[i].zone < 0) continue;
+    const Zone& zone = process.zones[static_cast<std::size_t>(work[i].zone)];
+    const double share = share_at(work, i, zone.ramp_mm / spacing_mm);
+    TipPlacement& placement = work[i].placement;
+    placement.outward_mm += share * zone.outward_by_mm;
+    placement.up_mm += share * zone.up_by_mm;
+    placement.tilt_rad += share * zone.tilt_by_rad;
+    placement.lead_rad += share * zone.lead_by_rad;
+    work[i].speed_ratio = zone.speed_ratio;
+  }
+}
+
+/// The piece that a place belongs to; none: it is not worked.
+const Piece* piece_at(std::span<const Piece> pieces, double mm) {
+  const auto holds = [&](const Piece& p) {
+    return p.from_mm <= p.to_mm ? mm >= p.from_mm && mm <= p.to_mm : mm >= p.from_mm || mm <= p.to_mm;
+  };
+  const auto found = std::ranges::find_if(pieces, holds);
+  return found == pieces.end() ? nullptr : &*found;
+}
+
+/// Nothing beyond them is worked.  A place belongs to one within half a step.
+void keep_only(std::vector<PlaceWork>& work, double spacing_mm, const std::vector<Piece>& pieces) {
+  std::vector<Piece> wide = pieces;
+  for (Piece& p : wide) {
+    p.from_mm -= 0.5 * spacing_mm;
+    p.to_mm += 0.5 * spacing_mm;
+  }
+  for (std::size_t i = 0; i < work.size(); ++i) {
+    const Piece* piece = piece_at(wide, static_cast<double>(i) * spacing_mm);
+    if (piece == nullptr)
+      work[i].left_out = true;
+    else
+      work[i].speed_ratio *= piece->speed_ratio;
+  }
+}
+
 /// Maximal runs of places that `taken` says yes to; one closed run has as many steps as there are places.
 template <class Taken>
 std::vector<Run> runs_where(std::size_t count, Taken taken) {
@@ -74,6 +122,15 @@ std::vector<Run> runs_where(std::size_t count, Taken taken) {
     runs.push_back(run);
   }
   return runs;
+}
+
+/// Evenly round the line, about so far apart.
+std::vector<Vec3> places_along(const cloud::ClosedLine& line, double spacing_mm) {
+  const geometry::ArcLength along{line.points.size(), [&](std::size_t i) { return line.points[i].position; }};
+  std::vector<Vec3> places;
+  for (const geometry::OnCurve& at : along.even(along.count_for(spacing_mm)))
+    places.push_back(at.between(line.points[at.before].position, line.points[at.after].position));
+  return places;
 }
 
 }  // namespace
@@ -132,25 +189,8 @@ ShoeEnds shoe_ends(std::span<const Vec3> line) {
 
 std::vector<PlaceWork> work_along(std::span<const Vec3> line, double spacing_mm, const Process& process) {
   std::vector<PlaceWork> work(line.size(), PlaceWork{.placement = process.placement});
-  if (process.zones.empty()) return work;
-  const Places places{line};
-  for (std::size_t i = 0; i < work.size(); ++i) {
-    for (std::size_t z = 0; z < process.zones.size() && work[i].zone < 0; ++z) {
-      if (places.within(i, process.zones[z])) work[i].zone = static_cast<int>(z);
-    }
-    if (work[i].zone >= 0) work[i].left_out = process.zones[static_cast<std::size_t>(work[i].zone)].left_out;
-  }
-  for (std::size_t i = 0; i < work.size(); ++i) {
-    if (work[i].zone < 0) continue;
-    const Zone& zone = process.zones[static_cast<std::size_t>(work[i].zone)];
-    const double share = share_at(work, i, zone.ramp_mm / spacing_mm);
-    TipPlacement& placement = work[i].placement;
-    placement.outward_mm += share * zone.outward_by_mm;
-    placement.up_mm += share * zone.up_by_mm;
-    placement.tilt_rad += share * zone.tilt_by_rad;
-    placement.lead_rad += share * zone.lead_by_rad;
-    work[i].speed_ratio = zone.speed_ratio;
-  }
+  if (!process.zones.empty()) work_in_zones(work, line, spacing_mm, process);
+  if (!process.only.empty()) keep_only(work, spacing_mm, process.only);
   return work;
 }
 
@@ -172,23 +212,35 @@ std::vector<Run> runs_along(std::span<const PlaceWork> work, const Process& proc
   for (std::size_t z = 0; z < process.zones.size(); ++z) {
     if (process.zones[z].left_out || process.zones[z].passes < 2) continue;
     const std::vector<Run> again =
-        runs_of([&](std::size_t i) { return work[i].zone == static_cast<int>(z); });
+        runs_of([&](std::size_t i) { return work[i].zone == static_cast<int>(z) && !work[i].left_out; });
     for (int pass = 1; pass < process.zones[z].passes; ++pass)
       runs.insert(runs.end(), again.begin(), again.end());
   }
   return runs;
 }
 
+std::vector<Check> check_pieces(const cloud::ClosedLine& line, const Process& process) {
+  if (process.only.empty()) return {};
+  constexpr double k_spacing_mm = 0.1, k_least_mm = 1;
+  const std::vector<Vec3> places = places_along(line, k_spacing_mm);
+  double longest_mm = 0;
+  for (const Run& run : runs_along(work_along(places, k_spacing_mm, process), process, 0, 0))
+    longest_mm = std::max(longest_mm, static_cast<double>(run.steps) * k_spacing_mm);
+  Check check{.name = "pieces",
+              .passed = longest_mm >= k_least_mm,
+              .value = longest_mm,
+              .limit = k_least_mm,
+              .unit = "mm of the longest piece",
+              .arc_mm = -1,
+              .detail = {}};
+  if (!check.passed) check.detail = "the process's zones leave nothing of them";
+  return {check};
+}
+
 std::vector<Check> check_zones(const cloud::ClosedLine& line, const Process& process) {
   if (process.zones.empty()) return {};
   constexpr double k_spacing_mm = 1;
-  const geometry::ArcLength along{line.points.size(), [&](std::size_t i) { return line.points[i].position; }};
-  const std::size_t count = along.count_for(k_spacing_mm);
-  std::vector<Vec3> places;
-  for (std::size_t k = 0; k < count; ++k) {
-    const geometry::OnCurve at = along.even(k, count);
-    places.push_back(at.between(line.points[at.before].position, line.points[at.after].position));
-  }
+  const std::vector<Vec3> places = places_along(line, k_spacing_mm);
   const double lead_ratio = shoe_ends(places).lead_ratio;
   Check ends{.name = "heel and toe",
              .passed = lead_ratio >= k_least_lead_ratio,
@@ -198,8 +250,10 @@ std::vector<Check> check_zones(const cloud::ClosedLine& line, const Process& pro
              .arc_mm = -1,
              .detail = {}};
   if (!ends.passed) ends.detail = "the line's shape does not tell its heel from its toe, as zones need it";
-  double shortest_mm = along.total_mm();
-  const std::vector<Run> runs = runs_along(work_along(places, k_spacing_mm, process), process, 0, 0);
+  double shortest_mm = cloud::length_mm(line);
+  Process whole = process;
+  whole.only.clear();
+  const std::vector<Run> runs = runs_along(work_along(places, k_spacing_mm, whole), whole, 0, 0);
   for (const Run& run : runs)
     shortest_mm = std::min(shortest_mm, static_cast<double>(run.steps) * k_spacing_mm);
   if (runs.empty()) shortest_mm = 0;

@@ -51,8 +51,13 @@ struct Run {
 /// It has stretches of one foot, so that nobody knows where they lie on a shoe whose foot nobody knows.
 [[nodiscard]] bool needs_foot(const Process& process);
 
-/// Heel and toe can be told apart, something is left to work, and no run is too short for the tool to come to
-/// its speed.  Empty for a process without zones.  Pre: the line passed check_line().
+/// Of its pieces (`Process::only`) 1 mm in a row at least is left by the zones.  Empty for a process
+/// without any.  Pre: the line passed check_line().
+[[nodiscard]] std::vector<Check> check_pieces(const cloud::ClosedLine& line, const Process& process);
+
+/// Of the process's zones, whatever `Process::only` keeps of them: heel and toe can be told apart, something
+/// is left to work, and no run is too short for the tool to come to its speed.  Empty for a process without
+/// zones.  Pre: the line passed check_line().
 [[nodiscard]] std::vector<Check> check_zones(const cloud::ClosedLine& line, const Process& process);
 
 }  // namespace biteline::path

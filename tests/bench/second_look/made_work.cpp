@@ -204,10 +204,15 @@ MadeWork make_work(const WorkCase& made) {
     work.low_base.push_back(T_base_shoe * section.point(edges.low_z_mm));
     work.high_base.push_back(T_base_shoe * section.point(edges.high_z_mm));
   }
+  for (std::size_t i = 0; i < line.size(); ++i)
+    work.line.points[i].tangent = (work.line.points[(i + 1) % line.size()].position -
+                                   work.line.points[(i + line.size() - 1) % line.size()].position)
+                                      .normalized();
   const auto on_line = [&](double s_mm) {
     const double turn_mm = work.shoe.perimeter_mm();
     const double at = std::fmod(s_mm + turn_mm, turn_mm) / turn_mm * static_cast<double>(line.size());
-    return along_mm[std::min(static_cast<std::size_t>(std::lround(at)), line.size())];
+    const auto before = std::min(static_cast<std::size_t>(at), line.size() - 1);
+    return std::lerp(along_mm[before], along_mm[before + 1], at - static_cast<double>(before));
   };
   for (const sim::WorkFault& fault : made.plan.faults)
     work.faults.push_back({.made = fault,

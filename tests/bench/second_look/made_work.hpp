@@ -31,7 +31,7 @@ struct TrueFault {
 
 struct MadeWork {
   cloud::PointCloud first, second;
-  cloud::ClosedLine line;  ///< base; with normals
+  cloud::ClosedLine line;  ///< base; with normals and tangents
   second_look::PlannedBand plan;
   std::vector<TrueFault> faults;
   std::vector<Vec3> low_base, high_base;  ///< the true edges, a point for each of the line

@@ -37,6 +37,8 @@ constexpr std::array k_named_files{
     NamedFile{"path.csv", "the planned path (CSV)"},
     NamedFile{"path.script", "the robot's program (URScript)"},
     NamedFile{"tracking.html", "the arm along the path, in 3-D"},
+    NamedFile{"coverage.ply", "what the tool covers (PLY)"},
+    NamedFile{"coverage.png", "what the tool covers"},
     NamedFile{"gate.json", "the decision before the arm moved (JSON)"},
     NamedFile{"followed.json", "how the arm followed (JSON)"},
     NamedFile{"track.csv", "the arm's recorded way (CSV)"},

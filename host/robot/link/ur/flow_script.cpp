@@ -16,7 +16,8 @@ using Rows = FixedText<1000>;
 
 // From here on a run's end is looked for: nearer to it than a line comes to its own end anywhere before.
 constexpr double k_near_end_mm = 30;
-// A place that goes slower stands; it is looked at from the first millimetre on.
+// A place that goes slower stands; that is looked at from the first millimetre on, and so is a short run's
+// end: a tool that has not set out yet comes no nearer to it.
 constexpr double k_standing_mm_s = 0.5, k_first_mm = 1;
 // Beyond any path, m: nothing more is looked for.
 constexpr double k_never_m = 1000;
@@ -87,7 +88,7 @@ std::string outputs_off(const ToolOutputs& outputs, std::string_view indent) {
 }
 
 FilmEnd film_end(const PlannedPath& path, const path::PathRun& run, bool closes) {
-  const double dry_mm = closes ? path.overlap_mm - path.flow->film_overlap_mm : 0;
+  const double dry_mm = path.flow->dry_end_mm + (closes ? path.overlap_mm - path.flow->film_overlap_mm : 0);
   // The line's way, as the overlap is told; the tip's may be longer round a toe.
   double left_mm = dry_mm;
   std::size_t last = run.last;
@@ -103,6 +104,18 @@ FilmEnd film_end(const PlannedPath& path, const path::PathRun& run, bool closes)
     end.way_mm += (spot_of(path, i) - spot_of(path, i - 1)).norm();
   end.way_mm += (end.spot_base - spot_of(path, last - 1)).norm();
   return end;
+}
+
+std::string flow_purge(const PlannedPath& path) {
+  const ToolOutputs outputs = outputs_of(path);
+  std::string text;
+  if (outputs.analog >= 0) text += Row::format("  set_standard_analog_out(%d, 1)\n", outputs.analog).view();
+  text += Row::format("  set_standard_digital_out(%d, True)\n  sleep(%.4f)\n", outputs.digital,
+                      path.flow->purge_s)
+              .view();
+  text += outputs_off(outputs);
+  const double drips_s = path.flow->gun_off_s;
+  return drips_s > 0 ? text + Row::format("  sleep(%.4f)\n", drips_s).c_str() : text;
 }
 
 std::string flow_thread(const PlannedPath& path) {
@@ -140,7 +153,7 @@ std::string flow_begins(const PlannedPath& path, const FilmEnd& end) {
   const std::array<double, 6> p = to_ur_pose(SE3{Eigen::Translation3d{end.spot_base}});
   std::string text = Row::format("  biteline_end = p[%.7f,%.7f,%.7f,0,0,0]\n", p[0], p[1], p[2]).c_str();
   text += Row::format("  biteline_near = %.7f\n  biteline_way = 0\n  biteline_film = 1\n",
-                      std::max(0.0, end.way_mm - k_near_end_mm) / k_mm_per_m)
+                      std::max(std::min(k_first_mm, end.way_mm / 2), end.way_mm - k_near_end_mm) / k_mm_per_m)
               .view();
   const double wait_s = path.flow->gun_on_s + path.flow->dwell_s;
   if (wait_s > 0) text += Row::format("  sleep(%.4f)\n", wait_s).view();

@@ -27,6 +27,10 @@ struct FilmEnd {
 /// film.
 [[nodiscard]] FilmEnd film_end(const path::PlannedPath& path, const path::PathRun& run, bool closes);
 
+/// Beside the shoe, while the tool stands there: both outputs full for the purge, and off until nothing comes
+/// any more.  Before the thread, which would set them.
+[[nodiscard]] std::string flow_purge(const path::PlannedPath& path);
+
 /// The thread, started; pre: the path has a flow.  Each cycle it takes the speed of the place that is worked
 /// (the tip's target, `standoff_mm` ahead along the tool) and
 /// - sets the analog output to (v + lag dv/dt) / full, from 0 to 1: a first-order lag of the flow is undone

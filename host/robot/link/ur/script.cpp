@@ -124,9 +124,12 @@ std::string urscript(const path::CheckedPath& checked, const std::optional<int>&
   if (path.payload) text += payload_text(*path.payload).view();
   // Whatever an earlier program left on, the arm does not travel with it.
   text += outputs_off(outputs);
-  if (flows) text += flow_thread(path);
   const double way_rad_s = path.way_there_rad_s.value_or(path.motion.way_there_rad_s);
-  for (const kinematics::Joints& via : path.via_rad) text += joint_move_text(via, way_rad_s).view();
+  for (std::size_t i = 0; i < path.via_rad.size(); ++i) {
+    text += joint_move_text(path.via_rad[i], way_rad_s).view();
+    if (flows && path.purge_via == i) text += flow_purge(path);
+  }
+  if (flows) text += flow_thread(path);
   text += joint_move_text(w.front().q_rad, way_rad_s).view();
   std::size_t at = 0;
   bool closes = path.overlap_mm > 0;

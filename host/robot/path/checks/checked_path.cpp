@@ -125,8 +125,10 @@ void add_motion_checks(const PlannedPath& path, const ArmModel& arm, std::vector
       at_most("no wrist jump", jump, k_jump_rad, "rad", "a joint jumps between neighbouring points"));
   checks.push_back(at_most("joint speed", joint_speed, motion.joint_speed_ratio * k_step_tolerance,
                            "of its limit", "too fast"));
-  checks.push_back(
-      at_most("path spacing", spacing, 1.5 * motion.spacing_mm + 1, "mm", "waypoints too far apart"));
+  // A short stretch has one step, up to twice as wide.
+  checks.push_back(at_most("path spacing", spacing,
+                           std::max(1.5 * motion.spacing_mm + 1, 2 * motion.spacing_mm), "mm",
+                           "waypoints too far apart"));
   checks.push_back(at_most("speed", speed, motion.speed_mm_s * k_step_tolerance, "mm/s",
                            "faster than the process allows"));
   checks.push_back(at_least("no dwelling", slow, motion.minimum_speed_mm_s, "mm/s",

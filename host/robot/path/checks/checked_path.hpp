@@ -39,9 +39,11 @@ struct PlannedPath {
   double overlap_mm{0};                       ///< of the first run on the line with itself; 0: it stays open
   bool tool_off{false};                       ///< the output is switched off where it would be switched on
   std::vector<kinematics::Joints> via_rad{};  ///< postures on the arm's way to the first waypoint (way_there)
+  std::optional<std::size_t> purge_via{};     ///< the one of them where the tool purges
   std::optional<double> way_there_rad_s{};    ///< of the joints on it; none: the process's
-  double give_mm{0};                          ///< the arm's largest, on the line and across it (give.hpp)
-  double tip_u95_mm{0};                       ///< of the taught tip; 0: none was taught
+  std::optional<kinematics::Joints> purge_rad{};  ///< where its flow purges on the way there; none: nowhere
+  double give_mm{0};                              ///< the arm's largest, on the line and across it (give.hpp)
+  double tip_u95_mm{0};                           ///< of the taught tip; 0: none was taught
   std::vector<Waypoint> waypoints;
 };
 

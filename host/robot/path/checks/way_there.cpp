@@ -120,11 +120,58 @@ std::vector<std::vector<Joints>> detours(const Joints& from_rad, const Joints& t
   return out;
 }
 
+/// Over which postures an arm comes from the one to the other; the direct way's nearest where none is free.
+struct FreeWay {
+  Walked walked{};
+  std::vector<Joints> via_rad{};
+};
+FreeWay find_free_way(const Joints& from_rad, const Joints& to_rad, const kinematics::ArmModel& arm,
+                      const CollisionModel& collisions) {
+  std::optional<FreeWay> direct;
+  for (const std::vector<Joints>& via_rad : detours(from_rad, to_rad, arm)) {
+    std::vector<Joints> stops{from_rad};
+    stops.insert(stops.end(), via_rad.begin(), via_rad.end());
+    stops.push_back(to_rad);
+    FreeWay way{.walked = walk(stops, arm, collisions), .via_rad = via_rad};
+    if (way.walked.free) return way;
+    if (!direct) direct = std::move(way);
+  }
+  return *direct;
+}
+
+/// From where the arm stands to the path's beginning, over the place where its tool purges.
+struct Legs {
+  Walked walked{};
+  std::vector<Joints> via_rad{};
+  std::optional<std::size_t> purge_via{};
+};
+Legs find_legs(const Joints& from_rad, const PlannedPath& path, const kinematics::ArmModel& arm,
+               const CollisionModel& collisions) {
+  const Joints& to_rad = path.waypoints.front().q_rad;
+  if (path.purge_rad) {
+    const Clearances there = clearances_at(*path.purge_rad, arm, collisions);
+    if (there.body.mm < k_clearance_mm) return {.walked = {.free = false, .nearest = there.body}};
+    if (there.tip.mm < k_tip_mm) return {.walked = {.free = false, .nearest = there.tip}};
+  }
+  FreeWay way = find_free_way(from_rad, path.purge_rad.value_or(to_rad), arm, collisions);
+  Legs legs{.walked = way.walked, .via_rad = std::move(way.via_rad)};
+  if (!path.purge_rad || !legs.walked.free) return legs;
+  legs.purge_via = legs.via_rad.size();
+  legs.via_rad.push_back(*path.purge_rad);
+  way = find_free_way(*path.purge_rad, to_rad, arm, collisions);
+  legs.via_rad.insert(legs.via_rad.end(), way.via_rad.begin(), way.via_rad.end());
+  legs.walked.free = way.walked.free;
+  if (!way.walked.free || way.walked.nearest.mm < legs.walked.nearest.mm)
+    legs.walked.nearest = way.walked.nearest;
+  return legs;
+}
+
 }  // namespace
 
 struct WayFinder {
-  static CheckedPath entered(PlannedPath path, std::vector<Joints> via_rad, double speed_rad_s) {
-    path.via_rad = std::move(via_rad);
+  static CheckedPath entered(PlannedPath path, const Legs& legs, double speed_rad_s) {
+    path.via_rad = legs.via_rad;
+    path.purge_via = legs.purge_via;
     path.way_there_rad_s = speed_rad_s;
     return CheckedPath{std::move(path)};
   }
@@ -137,7 +184,6 @@ bool is_free_way(const Joints& from_rad, const Joints& to_rad, const kinematics:
 
 WayThere find_way_there(const Joints& from_rad, const CheckedPath& path, const kinematics::ArmModel& arm,
                         const CollisionModel& collisions) {
-  const Joints& to_rad = path.path().waypoints.front().q_rad;
   WayThere out{.check = {.name = "way there",
                          .passed = false,
                          .value = 0,
@@ -152,29 +198,23 @@ WayThere find_way_there(const Joints& from_rad, const CheckedPath& path, const k
     out.check.detail = "where the arm stands is not known";
     return out;
   }
-  bool direct = true;
-  for (const std::vector<Joints>& via_rad : detours(from_rad, to_rad, arm)) {
-    std::vector<Joints> stops{from_rad};
-    stops.insert(stops.end(), via_rad.begin(), via_rad.end());
-    stops.push_back(to_rad);
-    const Walked walked = walk(stops, arm, collisions);
-    if (direct || walked.free) {
-      out.check.value = walked.nearest.mm;
-      out.check.detail = walked.free ? ""
-                                     : std::string{"from where the arm stands to the path's beginning: "} +
-                                           walked.nearest.what;
-    }
-    direct = false;
-    if (!walked.free) continue;
-    out.check.passed = true;
-    const Motion& motion = path.path().motion;
-    const double most_mm = std::max(1.0, most_mm_per_rad(stops, arm, path.path().T_flange_tcp.translation()));
-    const double speed_rad_s =
-        std::clamp(motion.transfer_speed_mm_s / most_mm, motion.way_there_rad_s,
-                   std::max(motion.way_there_rad_s, k_most_way_ratio * motion.way_there_rad_s));
-    out.path = WayFinder::entered(path.path(), via_rad, speed_rad_s);
+  const Legs legs = find_legs(from_rad, path.path(), arm, collisions);
+  out.check.value = legs.walked.nearest.mm;
+  out.check.passed = legs.walked.free;
+  if (!legs.walked.free) {
+    out.check.detail =
+        std::string{"from where the arm stands to the path's beginning: "} + legs.walked.nearest.what;
     return out;
   }
+  std::vector<Joints> stops{from_rad};
+  stops.insert(stops.end(), legs.via_rad.begin(), legs.via_rad.end());
+  stops.push_back(path.path().waypoints.front().q_rad);
+  const Motion& motion = path.path().motion;
+  const double most_mm = std::max(1.0, most_mm_per_rad(stops, arm, path.path().T_flange_tcp.translation()));
+  const double speed_rad_s =
+      std::clamp(motion.transfer_speed_mm_s / most_mm, motion.way_there_rad_s,
+                 std::max(motion.way_there_rad_s, k_most_way_ratio * motion.way_there_rad_s));
+  out.path = WayFinder::entered(path.path(), legs, speed_rad_s);
   return out;
 }
 

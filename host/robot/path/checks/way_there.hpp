@@ -15,9 +15,9 @@ struct WayThere {
 
 /// Joint moves, straight in joint space as movej makes them: directly, or over postures raised above both
 /// ends, whichever first keeps clear of table, shoe and arm.  An arm that stands closer to something than the
-/// limit may leave, and comes no nearer.  The joints go at the process's speed for such ways, and at up to
-/// k_most_way_ratio of it where nothing from the elbow to the tip then goes faster than its
-/// `transfer_speed_mm_s`.  Cost: some milliseconds.
+/// limit may leave, and comes no nearer.  A path that purges goes over that posture, both ways so.  The
+/// joints go at the process's speed for such ways, and at up to k_most_way_ratio of it where nothing from the
+/// elbow to the tip then goes faster than its `transfer_speed_mm_s`.  Cost: some milliseconds.
 [[nodiscard]] WayThere find_way_there(const kinematics::Joints& from_rad, const CheckedPath& path,
                                       const kinematics::ArmModel& arm, const CollisionModel& collisions);
 

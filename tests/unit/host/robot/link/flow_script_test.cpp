@@ -175,4 +175,85 @@ TEST(FlowScript, NothingFlowsInTheAirAndTheDeadManClosesBoth) {
                  "halt") != std::string::npos);
 }
 
+/// A piece of rework is shorter than the way from whose end on a run's end is looked for.
+TEST(FlowScript, AShortPieceGetsItsFilmFromEndToEnd) {
+  path::PlanRequest piece = request();
+  piece.process.only = {{.from_mm = 100, .to_mm = 104}};
+  const path::PlanOutcome outcome = path::plan(piece);
+  CHECK_TEXT(outcome.path.has_value(), outcome.reason().c_str());
+  const path::PlannedPath& path = outcome.path->path();
+  sim::Script script = *sim::parse_script(urscript(*outcome.path));
+  const auto arm = sim::ArmKinematics::named("ur5e");
+  script.start_rad = path.waypoints.front().q_rad;
+  const auto program = std::make_shared<const sim::Program>(
+      sim::Program::plan(script, *arm, arm->T_base_flange(*script.start_rad), SE3::Identity()));
+  const sim::FilmTool tool{.standoff_mm = path.standoff_mm,
+                           .digital_output = path.digital_output,
+                           .analog_output = 1,
+                           .full_mm_s = path.flow->full_mm_s,
+                           .gun = {.opens_s = 0.04, .closes_s = 0.025, .pump_lag_s = 0.03}};
+  double way_mm = 0, film_mm = 0;
+  for (const sim::FilmStep& step : sim::lay_film(program, tool, k_step_s)) {
+    if (step.film_mm > 0) way_mm += step.way_mm;
+    film_mm += step.film_mm;
+  }
+  DOUBLES_EQUAL(4, way_mm, 0.4);
+  DOUBLES_EQUAL(4, film_mm, 0.4);
+}
+
+/// Beside the shoe, and between there and the line nothing.
+TEST(FlowScript, APurgeFallsBesideTheShoeBeforeTheLine) {
+  const Vec3 at{420, 260, 200};
+  path::PlanRequest purged = request();
+  purged.process.flow->purge_s = 0.5;
+  purged.process.flow->purge_at_base = at;
+  purged.from_rad = planned().path().waypoints.back().q_rad;
+  const path::PlanOutcome outcome = path::plan(purged);
+  CHECK_TEXT(outcome.path.has_value(), outcome.reason().c_str());
+  const path::PlannedPath& path = outcome.path->path();
+  CHECK(path.purge_via.has_value());
+  sim::Script script = *sim::parse_script(urscript(*outcome.path, 47));
+  const auto arm = sim::ArmKinematics::named("ur5e");
+  script.start_rad = *purged.from_rad;
+  const auto program = std::make_shared<const sim::Program>(
+      sim::Program::plan(script, *arm, arm->T_base_flange(*purged.from_rad), SE3::Identity()));
+  const sim::FilmTool tool{.digital_output = path.digital_output,
+                           .analog_output = 1,
+                           .full_mm_s = path.flow->full_mm_s,
+                           .gun = {.opens_s = 0.04, .closes_s = 0.025, .pump_lag_s = 0.03}};
+  double purged_s = 0, line_s = 0;
+  bool on_line = false;
+  for (const sim::FilmStep& step : sim::lay_film(program, tool, k_step_s)) {
+    if (!(step.film_mm > 0)) continue;
+    const bool there = (step.spot_base - at).norm() < 1;
+    CHECK_TEXT(!there || !on_line, "the purge comes before the line");
+    on_line = on_line || !there;
+    (there ? purged_s : line_s) += k_step_s;
+    // Of the tip, which stands off.
+    if (!there) {
+      double nearest_mm = 1e9;
+      for (const path::Waypoint& w : path.waypoints)
+        if (w.segment == path::Segment::Line)
+          nearest_mm = std::min(nearest_mm, (w.T_base_tcp.translation() - step.spot_base).norm());
+      CHECK(nearest_mm < 3);
+    }
+  }
+  DOUBLES_EQUAL(0.5 - 0.04 + 0.025, purged_s, 0.01);
+  CHECK(line_s > 3);
+}
+
+TEST(FlowScript, WithoutAWayThereOrInTheAirNothingIsPurged) {
+  path::PlanRequest purged = request();
+  purged.process.flow->purge_s = 0.5;
+  purged.process.flow->purge_at_base = {420, 260, 200};
+  const path::PlanOutcome unknown = path::plan(purged);
+  CHECK_TEXT(unknown.path.has_value(), unknown.reason().c_str());
+  CHECK(urscript(*unknown.path).find("sleep(0.5") == std::string::npos);
+  purged.from_rad = planned().path().waypoints.back().q_rad;
+  purged.tool_off = true;
+  const path::PlanOutcome air = path::plan(purged);
+  CHECK_TEXT(air.path.has_value(), air.reason().c_str());
+  CHECK(urscript(*air.path).find("sleep(") == std::string::npos);
+}
+
 }  // namespace biteline::robot::ur

@@ -58,6 +58,7 @@ TEST(ProcessFile, FlowIsReadInItsUnits) {
   LONGS_EQUAL(1, process->flow->analog_output);
   DOUBLES_EQUAL(process->motion.speed_mm_s, process->flow->full_mm_s, 1e-12);
   DOUBLES_EQUAL(0.030, process->flow->lag_s, 1e-12);
+  DOUBLES_EQUAL(0, process->flow->purge_s, 0);
   CHECK_FALSE(read_process(shipped("grind.yaml"))->flow.has_value());
   CHECK_FALSE(read_changed("digital_output: 0", "flow: {full_mm_s: 90}")->flow.has_value());
 }
