@@ -122,9 +122,8 @@ std::optional<CurveAndRivals> best_curve(CurveGround& ground, const CurveConfig&
   ground.compare_with(usual_along(ground, first.curve.states));
   best = CurveSearch{ground.costs, search}.best();
   if (!best) return std::nullopt;
-  Highest last = highest_from(ground, search, *std::move(best), as_whole);
-  ClosedCurve curve = std::move(last.curve);
-  std::vector<CurveRival> rivals = rivals_of(ground, search, curve, std::move(last.above), k_rivals);
+  ClosedCurve curve = highest_from(ground, search, *std::move(best), as_whole).curve;
+  std::vector<CurveRival> rivals = rivals_of(ground, search, curve, k_rivals);
   for (CurveRival& rival : rivals)
     if (rival.count == curve.states.size()) rival.as_whole = as_whole(rival.states, curve.states);
   // That a way above does not look as the curve itself usually does is no reason to forget it.
@@ -135,8 +134,7 @@ std::optional<CurveAndRivals> best_curve(CurveGround& ground, const CurveConfig&
     first.above->count = curve.states.size();
     rivals.push_back(*std::move(first.above));
   }
-  CurveLook look = look_of(places_along(ground, curve.states));
-  return CurveAndRivals{.curve = std::move(curve), .rivals = std::move(rivals), .look = std::move(look)};
+  return CurveAndRivals{.curve = std::move(curve), .rivals = std::move(rivals)};
 }
 
 std::optional<CurveOnSide> curve_on(const Side& side, std::span<const RunLook> looks) {
@@ -148,7 +146,7 @@ std::optional<CurveOnSide> curve_on(const Side& side, std::span<const RunLook> l
   });
   if (!best) return std::nullopt;
   std::vector<CurveStation> stations =
-      curve_posterior(ground.raster, best->curve, best->rivals, best->look, k_rivals.same_mm, k_posterior);
+      curve_posterior(ground.raster, best->curve, best->rivals, k_rivals.same_mm, k_posterior);
   const double evidence = evidence_along(ground, best->curve.states);
   return CurveOnSide{.curve = std::move(best->curve), .evidence = evidence, .stations = std::move(stations)};
 }

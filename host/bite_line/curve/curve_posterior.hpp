@@ -3,11 +3,9 @@
 /// \file Where else the line may run, place by place along a curve, and how likely.
 
 #include <array>
-#include <optional>
 #include <span>
 #include <vector>
 
-#include "host/bite_line/curve/curve_look.hpp"
 #include "host/bite_line/curve/curve_rivals.hpp"
 #include "host/bite_line/curve/curve_search.hpp"
 #include "host/bite_line/curve/raster.hpp"
@@ -27,25 +25,10 @@ using RoundSigns = std::array<double, 3>;
 using PartSigns = std::array<double, 3>;
 [[nodiscard]] PartSigns part_signs(const CurveRival& rival);
 
-/// And of each place of a curve, whatever rivals there are: what was taken wrongly looks unlike the rest of
-/// the curve. 1; the logarithm of what the place costs; its rim; the logarithm of what the whole curve costs;
-/// how far its rim, and what is below it, are from the curve's usual ones; and the share of the curve that a
-/// way beside it passes above, times how much that way lies between two surfaces.
-using PlaceSigns = std::array<double, 7>;
-/// None of places about which nothing was seen.
-[[nodiscard]] std::vector<std::optional<PlaceSigns>> place_signs(const ClosedCurve& curve,
-                                                                 std::span<const CurveRival> rivals,
-                                                                 const CurveLook& look);
-
-/// That a way is the line and the curve beside it is not, and that a place of the curve is not on it: three
-/// logistic fits of `bench_curve_fit --rivals`.
+/// That a way is the line and the curve beside it is not: two logistic fits of `bench_curve_fit --rivals`.
 struct PosteriorConfig {
   RoundSigns round{4.85, 9.19, -3.59};
   PartSigns part{-4.00, 0.66, 3.34};
-  PlaceSigns place{-2.00, 1.22, 4.25, 1.16, 3.05, 1.99, 4.11};
-  /// A place that is wrong in silence costs as much as so many looks that were not needed: its odds count so
-  /// often.
-  double dear{3.0};
   /// Where nothing is seen, the way that costs as much is as likely.
   double unseen{1.0};
   double unseen_more{-20.0};
@@ -75,8 +58,7 @@ struct CurveStation {
 
 /// Per state of the curve.  Ways that lie within `same_mm` of each other are one.
 [[nodiscard]] std::vector<CurveStation> curve_posterior(const Raster& raster, const ClosedCurve& curve,
-                                                        std::span<const CurveRival> rivals,
-                                                        const CurveLook& look, double same_mm,
+                                                        std::span<const CurveRival> rivals, double same_mm,
                                                         const PosteriorConfig& config);
 
 }  // namespace biteline::bite_line

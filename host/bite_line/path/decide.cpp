@@ -43,9 +43,8 @@ constexpr double k_least_visible_share = 0.70;
 constexpr double k_least_seen_share = 0.75;
 constexpr double k_least_turn_deg = 5.0;
 constexpr double k_least_evidence = 0.1;  // of a bare upper: below 0.01
-// A strap or a tongue is no upper.  A missing sector of 40 mm in a child's shoe leaves nine tenths, a high
-// heel that reaches to the upper's edge three quarters.
-constexpr double k_least_upper_share = 0.7;
+// A strap or a tongue is no upper; a missing sector of 40 mm in a child's shoe leaves nine tenths.
+constexpr double k_least_upper_share = 0.8;
 // Made shoes and shapes of public origin read 0.97 and more, the edge of a fixture's plate below 0.21.
 constexpr double k_least_sole_share = 0.5;
 // A lid overhangs what is below it, by a millimetre and more.

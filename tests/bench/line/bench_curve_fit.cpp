@@ -51,7 +51,7 @@ void print_fit(const char* name, const std::vector<Row>& rows, double ridge) {
   const Eigen::VectorXd w = logistic_fit(rows, rows.front().signs.size(), ridge);
   double log_likelihood = 0;
   for (const Row& row : rows)
-    log_likelihood += row.weight * std::log(geometry::logistic((row.yes ? 1 : -1) * w.dot(row.signs)));
+    log_likelihood += std::log(geometry::logistic((row.yes ? 1 : -1) * w.dot(row.signs)));
   std::printf("      %s{", name);
   for (Eigen::Index i = 0; i < w.size(); ++i) std::printf("%s%.2f", i == 0 ? "" : ", ", w[i]);
   std::printf("};  // %zu rows, %td of them wrong, log-likelihood %.1f\n", rows.size(),
@@ -85,18 +85,14 @@ class CurveFit {
   void fit_rivals() const {
     const std::vector<SearchVerdict> verdicts = search_all(bite_line::fitted_weights());
     tell("checked", verdicts);
-    // Neighbours look alike: of a run of 60 mm is known what one place would say that nothing else is like.
-    constexpr double k_place_weight = 0.05;
-    std::vector<Row> round, part, place;
-    const auto row = [](const auto& signs, bool yes, double weight = 1) {
+    std::vector<Row> round, part;
+    const auto row = [](const auto& signs, bool yes) {
       return Row{
           .signs = Eigen::Map<const Eigen::VectorXd>(signs.data(), static_cast<Eigen::Index>(signs.size())),
           .yes = yes,
-          .weight = weight};
+          .weight = 1};
     };
     for (const SearchVerdict& verdict : verdicts) {
-      for (const JudgedPlace& judged : verdict.places)
-        place.push_back(row(judged.signs, judged.wrong, k_place_weight));
       for (const JudgedRival& judged : verdict.rivals) {
         constexpr double k_most = 0.6, k_shortest_mm = 15;
         const bool wrong = judged.right_share<1 - k_most, right = judged.right_share> k_most;
@@ -111,7 +107,6 @@ class CurveFit {
     }
     print_fit("round", round, 0.05);
     print_fit("part", part, 0.1);
-    print_fit("place", place, 0.5);
   }
 
   void leave_out() {

@@ -185,7 +185,7 @@ TEST(Decide, WhatAHardGateSaysNoToIsNoPersons) {
 TEST(Decide, GatesThatAllHardlySayYesAskAPerson) {
   Crease hardly = crease(26, 5.4, 3.0);
   hardly.visible_share = 0.71;
-  hardly.upper_share = 0.71;
+  hardly.upper_share = 0.81;
   hardly.sole_share = 0.55;
   const Decision sut = decided(layers(hardly));
   asks(Refused::NotSure, sut);

@@ -17,21 +17,12 @@
 
 namespace biteline::bite_line::test {
 
-namespace {
-
-std::vector<CurveRival> all_rivals(const CurveGround& ground, const ClosedCurve& curve,
-                                   const RivalConfig& config) {
-  return rivals_of(ground, {}, curve, way_above(ground, {}, curve, config), config);
-}
-
-}  // namespace
-
 TEST_GROUP(CurveRivals){};
 
 TEST(CurveRivals, AnotherCreaseAllRoundIsOneRival) {
   const CurveCosts costs = costs_where([](int row, int) { return row == 30 || row == 50; });
   const ClosedCurve best = best_of(costs);
-  const std::vector<CurveRival> rivals = all_rivals(*ground_of(costs), best, {.per_mm = 0.2});
+  const std::vector<CurveRival> rivals = rivals_of(*ground_of(costs), {}, best, {.per_mm = 0.2});
   LONGS_EQUAL(1, rivals.size());
   LONGS_EQUAL(best.states.size(), rivals.front().count);
   CHECK(leads_all_round(rivals.front(), best));
@@ -48,7 +39,7 @@ TEST(CurveRivals, AStretchBesideTheCurveTellsWhatItCostsMore) {
     return row == 30 || (rise > 0 && row == 30 + rise);
   });
   const ClosedCurve best = best_of(costs);
-  const std::vector<CurveRival> rivals = all_rivals(*ground_of(costs), best, {.above_per_mm = 1});
+  const std::vector<CurveRival> rivals = rivals_of(*ground_of(costs), {}, best, {.above_per_mm = 1});
   LONGS_EQUAL(1, rivals.size());
   const CurveRival& rival = rivals.front();
   CHECK(!leads_all_round(rival, best));
@@ -74,7 +65,7 @@ TEST(CurveRivals, AStretchTellsWhereItIsFaintest) {
   const auto ground = ground_of(costs);
   const ClosedCurve best = best_of(ground->costs);
   CHECK(leads_over(best, 30 - k_leap, 100));
-  const std::vector<CurveRival> rivals = all_rivals(*ground, best, {.per_mm = 1});
+  const std::vector<CurveRival> rivals = rivals_of(*ground, {}, best, {.per_mm = 1});
   const auto straight = std::ranges::find_if(
       rivals, [](const CurveRival& rival) { return rival.length_mm > 30 && rival.length_mm < 60; });
   CHECK(straight != rivals.end());
@@ -89,7 +80,7 @@ TEST(CurveRivals, OneBehindAnotherIsFoundAsWell) {
     return row == 30 || row == 15 || on_part || on_flank;
   });
   const ClosedCurve best = best_of(costs);
-  const std::vector<CurveRival> rivals = all_rivals(*ground_of(costs), best, {.per_mm = 0.6});
+  const std::vector<CurveRival> rivals = rivals_of(*ground_of(costs), {}, best, {.per_mm = 0.6});
   const auto leads_to = [&](const CurveRival& rival, int row) {
     return std::ranges::any_of(rival.places, [&](const Vec2& at) {
       return std::abs(at.y() - blank_raster().place(row, 0).y()) < 1e-6;
@@ -104,7 +95,7 @@ TEST(CurveRivals, OneBehindAnotherIsFoundAsWell) {
 TEST(CurveRivals, ACurveByItselfHasNone) {
   const CurveCosts costs = costs_where([](int row, int) { return row == 30; });
   const ClosedCurve best = best_of(costs);
-  CHECK(all_rivals(*ground_of(costs), best, {}).empty());
+  CHECK(rivals_of(*ground_of(costs), {}, best, {}).empty());
 }
 
 TEST(CurveRivals, AFaintWayAllRoundAboveIsOneHoweverPlainTheCurveIs) {
@@ -154,7 +145,7 @@ TEST(CurvePosterior, AnotherWayAsLikelyTakesHalfOfItsStretchAlone) {
   rival.excess = -k_config.unseen / k_config.unseen_more / more_per_mm(rival);
   for (std::size_t i = rival.first; i < rival.first + rival.count; ++i)
     rival.places.push_back(raster.place(best.states[i].row + 20, best.states[i].col));
-  const std::vector<CurveStation> stations = curve_posterior(raster, best, {&rival, 1}, {}, 2.25, k_config);
+  const std::vector<CurveStation> stations = curve_posterior(raster, best, {&rival, 1}, 2.25, k_config);
   DOUBLES_EQUAL(0.5, stations[40].hold, 1e-6);
   LONGS_EQUAL(1, stations[40].alternatives.size());
   DOUBLES_EQUAL(15, stations[40].alternatives.front().off_mm, 1e-3);
@@ -171,7 +162,7 @@ TEST(CurvePosterior, AWayAllRoundTakesNothingWhereItRunsOnTheCurve) {
   for (std::size_t i = 0; i < best.states.size(); ++i)
     rival.places.push_back(raster.place(best.states[i].row + (i < half ? 20 : 0), best.states[i].col));
   const std::vector<CurveStation> stations =
-      curve_posterior(raster, best, std::span{&rival, 1}, {}, RivalConfig{}.same_mm, k_config);
+      curve_posterior(raster, best, std::span{&rival, 1}, RivalConfig{}.same_mm, k_config);
   DOUBLES_EQUAL(0.5, stations[half / 2].hold, 1e-6);
   DOUBLES_EQUAL(1, stations[half + half / 2].hold, 1e-6);
 }
@@ -179,11 +170,11 @@ TEST(CurvePosterior, AWayAllRoundTakesNothingWhereItRunsOnTheCurve) {
 TEST(CurvePosterior, WaysThatLieTogetherCountOnce) {
   const CurveCosts costs = costs_where([](int row, int) { return row == 30 || row == 50; });
   const ClosedCurve best = best_of(costs);
-  std::vector<CurveRival> rivals = all_rivals(*ground_of(costs), best, {});
+  std::vector<CurveRival> rivals = rivals_of(*ground_of(costs), {}, best, {});
   LONGS_EQUAL(1, rivals.size());
   rivals.front().seen = false;
   rivals.push_back(rivals.front());
-  DOUBLES_EQUAL(0.5, curve_posterior(blank_raster(), best, rivals, {}, 2.25, {.unseen = 0})[10].hold, 0.01);
+  DOUBLES_EQUAL(0.5, curve_posterior(blank_raster(), best, rivals, 2.25, {.unseen = 0})[10].hold, 0.01);
 }
 
 TEST(CurvePosterior, OfTwoAllRoundTheUpperOneIsTheLineWhereItLiesBetweenTwoSurfaces) {
@@ -222,8 +213,8 @@ TEST(CurvePosterior, AStretchIsDoubtedForHowFaintItIsAsAWholeAndWhereItIsFaintes
 TEST(CurvePosterior, OneFlankOfAGuardIsNoRivalOfTheOther) {
   const CurveCosts costs = costs_where(on_gate);
   const ClosedCurve curve = best_of(costs);
-  const std::vector<CurveRival> rivals = all_rivals(*ground_of(costs), curve, {});
-  for (const CurveStation& station : curve_posterior(blank_raster(), curve, rivals, {}, 2.25, {}))
+  const std::vector<CurveRival> rivals = rivals_of(*ground_of(costs), {}, curve, {});
+  for (const CurveStation& station : curve_posterior(blank_raster(), curve, rivals, 2.25, {}))
     CHECK(station.hold > 0.9);
 }
 
