@@ -108,17 +108,4 @@ ScanLight with_stripe_mm(const ScanLight& light, double stripe_mm) {
   return other;
 }
 
-double eye_mw(const ScanLight& light) {
-  constexpr double k_pupil_mm = 7, k_from_mm = 100;
-  const double line_mm = 2 * k_from_mm * std::tan(light.fan_rad / 2);
-  return light.laser_mw * std::min(1.0, k_pupil_mm / line_mm);
-}
-
-LaserClass laser_class(const ScanLight& light) {
-  const double power_mw = eye_mw(light);
-  if (power_mw <= 0.39) return LaserClass::One;
-  if (power_mw <= 1) return LaserClass::Two;
-  return power_mw <= 5 ? LaserClass::ThreeR : LaserClass::ThreeB;
-}
-
 }  // namespace biteline::optics

@@ -63,12 +63,4 @@ enum class NoiseLimit { Speckle, Camera, Pixels, Motion, DepthOfField };
 /// Likewise with another thickness of the sheet.
 [[nodiscard]] ScanLight with_stripe_mm(const ScanLight& light, double stripe_mm);
 
-/// Power through a pupil of 7 mm at 100 mm from where the line fans out, which IEC 60825-1:2014 asks for
-/// (condition 3), for continuous light and a source that counts as a point: strict.
-[[nodiscard]] double eye_mw(const ScanLight& light);
-enum class LaserClass { One, Two, ThreeR, ThreeB };
-/// Of visible continuous light: 0.39, 1 and 5 mW.  A judgement for buying, no certificate: the maker's class
-/// counts.
-[[nodiscard]] LaserClass laser_class(const ScanLight& light);
-
 }  // namespace biteline::optics

@@ -172,6 +172,30 @@ TEST(Doctor, TellsMeasuredSpeckleBesideWhatIsForecast) {
   CHECK_FALSE(doctor({"--light", "--report", silent}).contains("measured"));
 }
 
+TEST(Doctor, TheLasersClassIsThatOfItsWorstState) {
+  const auto laser_class = [](std::vector<std::string> more) {
+    more.insert(more.begin(), {"laser-class", "--json"});
+    return test::read_json(say(more).out);
+  };
+  const json pulsed = laser_class({"--laser-mw", "100", "--wavelength-nm", "660", "--fan-deg", "60",
+                                   "--exposure-us", "100", "--rate-hz", "100"});
+  const auto class_in = [&](std::size_t state) { return pulsed["cases"][state]["laser_class"]; };
+  LONGS_EQUAL(4, pulsed["cases"].size());
+  CHECK(class_in(0) == "1" && class_in(1) == "3B" && class_in(2) == "3R" && class_in(3) == "3B");
+  CHECK(pulsed["laser_class"] == "3B");
+  CHECK(laser_class({"--laser-mw", "5", "--fan-deg", "60"})["laser_class"] == "1");
+  CHECK(laser_class({"--laser-mw", "5", "--fan-deg", "60", "--fault-mw", "100"})["laser_class"] == "3B");
+  STRCMP_CONTAINS("a test house measures", say({"laser-class"}).out.c_str());
+  const auto fault = [](std::vector<std::string> more) {
+    more.insert(more.begin(), "laser-class");
+    return say(more).last_error;
+  };
+  STRCMP_CONTAINS("--rate-hz", fault({"--exposure-us", "100"}).c_str());
+  STRCMP_CONTAINS("pulses shorter than", fault({"--exposure-us", "20000", "--rate-hz", "100"}).c_str());
+  STRCMP_CONTAINS("no less light", fault({"--laser-mw", "5", "--fault-mw", "1"}).c_str());
+  STRCMP_CONTAINS("--wavelength-nm", fault({"--wavelength-nm", "1064"}).c_str());
+}
+
 TEST(Doctor, MistypedWordsAreAnsweredByTheNearestOne) {
   STRCMP_CONTAINS("did you mean --out?", say({"extract", "cloud.ply", "--ot", "x"}).last_error.c_str());
   STRCMP_CONTAINS("did you mean --board?", say({"doctor", "--bord=x"}).last_error.c_str());

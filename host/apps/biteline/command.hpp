@@ -40,6 +40,7 @@ void add_flow_test(options::Command& app, Context& context);
 void add_history(options::Command& app, Context& context);
 void add_inspect(options::Command& app, Context& context);
 void add_keys(options::Command& app, Context& context);
+void add_laser_class(options::Command& app, Context& context);
 void add_line(options::Command& app, Context& context);
 void add_model(options::Command& app, Context& context);
 void add_mounted(options::Command& app, Context& context);

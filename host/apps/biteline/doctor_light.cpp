@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/config/sensor_yaml.hpp"
+#include "common/optics/laser_class.hpp"
 #include "host/records/batch/json_fields.hpp"
 
 namespace biteline::app {
@@ -45,18 +46,11 @@ const char* sentence_of(optics::NoiseLimit limit) {
   return "";
 }
 
-const char* name_of(optics::LaserClass laser_class) {
-  switch (laser_class) {
-    case optics::LaserClass::One:
-      return "1";
-    case optics::LaserClass::Two:
-      return "2";
-    case optics::LaserClass::ThreeR:
-      return "3R";
-    case optics::LaserClass::ThreeB:
-      return "3B";
-  }
-  return "";
+/// As doctor knows it: even, continuous, seen from 100 mm.
+optics::LaserJudgement judged(const optics::ScanLight& light) {
+  return optics::judge(
+      {.power_mw = light.laser_mw, .wavelength_nm = light.wavelength_nm, .fan_rad = light.fan_rad},
+      optics::k_continuous);
 }
 
 std::string text(const char* format, double value) {
@@ -220,7 +214,7 @@ void print_light(const std::vector<LightChoice>& choices, const MeasuredLight& m
     const optics::StripeNoise& noise = choice.noise;
     std::printf("%-36s %9.0f %8.2f %9.4f %9.4f %9.4f %6s\n", choice.what.c_str(), choice.light.exposure_us,
                 noise.contrast, noise.middle_mm, noise.end_mm, noise.dorsch_mm,
-                name_of(optics::laser_class(choice.light)));
+                optics::name_of(judged(choice.light).laser_class));
   }
   const LightChoice& now = choices.front();
   std::printf(
@@ -230,7 +224,9 @@ void print_light(const std::vector<LightChoice>& choices, const MeasuredLight& m
   std::printf("%s\n", light_advice(choices).c_str());
   if (const std::string words = measured_words(measured, now.noise); !words.empty())
     std::printf("%s\n", words.c_str());
-  std::printf("The class is a judgement for continuous light; what counts is the maker's.\n");
+  std::printf(
+      "The class is a judgement for continuous light (biteline laser-class says more); what counts is the "
+      "maker's.\n");
 }
 
 nlohmann::ordered_json light_json(const std::vector<LightChoice>& choices, const MeasuredLight& measured) {
@@ -254,8 +250,8 @@ nlohmann::ordered_json light_json(const std::vector<LightChoice>& choices, const
                     {"noise_mm", noise.middle_mm},
                     {"noise_at_ends_mm", noise.end_mm},
                     {"dorsch_limit_mm", noise.dorsch_mm},
-                    {"eye_mw", optics::eye_mw(choice.light)},
-                    {"laser_class_about", name_of(optics::laser_class(choice.light))},
+                    {"eye_mw", judged(choice.light).eye_mw},
+                    {"laser_class_about", optics::name_of(judged(choice.light).laser_class)},
                     {"limit", name_of(optics::limit_of(choice.light, noise))}});
   }
   nlohmann::ordered_json json{{"choices", rows}, {"advice", light_advice(choices)}};

@@ -149,6 +149,7 @@ int main(int argc, char** argv) {
   add_calibrate(app, context);
   add_inspect(app, context);
   add_keys(app, context);
+  add_laser_class(app, context);
   add_line(app, context);
   add_model(app, context);
   add_mounted(app, context);

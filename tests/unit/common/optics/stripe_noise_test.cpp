@@ -117,17 +117,4 @@ TEST(StripeNoise, BrightnessIsKeptByTheExposure) {
   DOUBLES_EQUAL(400 * stripe_noise(thin).stripe_px / stripe_noise(light).stripe_px, thin.exposure_us, 1e-9);
 }
 
-TEST(StripeNoise, LaserClassIsOfWhatEntersTheEye) {
-  // 90 degrees: a line of 200 mm at 100 mm, of which 7 mm enter.
-  light.fan_rad = std::numbers::pi / 2;
-  DOUBLES_EQUAL(5 * 7 / 200.0, eye_mw(light), 1e-9);
-  CHECK(laser_class(light) == LaserClass::One);
-  light.laser_mw = 20;
-  CHECK(laser_class(light) == LaserClass::Two);
-  light.laser_mw = 100;
-  CHECK(laser_class(light) == LaserClass::ThreeR);
-  light.laser_mw = 200;
-  CHECK(laser_class(light) == LaserClass::ThreeB);
-}
-
 }  // namespace biteline::optics
