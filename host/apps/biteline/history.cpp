@@ -6,16 +6,17 @@
 
 #include "common/core/fixed_text.hpp"
 #include "host/apps/biteline/command.hpp"
+#include "host/apps/biteline/history_log.hpp"
 
 namespace biteline::app {
 namespace {
 
 struct HistoryOptions {
-  std::filesystem::path results;
+  std::filesystem::path results, kept_links;
   std::string from, to, model, verdict, part, zone, day_begin;
   std::string separator{"comma"}, decimal{"point"};
   int limit{20};
-  bool csv{false}, trends{false}, byte_mark{false};
+  bool csv{false}, trends{false}, byte_mark{false}, verify_log{false};
 };
 
 Result<memory::ScanFilter> filter_of(const HistoryOptions& options, const memory::FactoryDay& day) {
@@ -141,6 +142,7 @@ Result<ExitStatus> run_history(const HistoryOptions& options, const GlobalOption
     return fail(Errc::InvalidArgument, "--csv-separator and --csv-decimal: two different signs expected");
   BITELINE_ASSIGN(const memory::Memory memory,
                   memory::Memory::open_to_read(options.results / memory::k_memory_file));
+  if (options.verify_log) return verify_log(memory, options.kept_links, global);
   BITELINE_ASSIGN(const memory::FactoryDay day, day_of(options, memory));
   BITELINE_ASSIGN(const memory::ScanFilter filter, filter_of(options, day));
   if (options.trends) return run_trends(memory, filter, day, global);
@@ -180,7 +182,18 @@ void add_history(options::Command& app, Context& context) {
   command->add_option("--time-zone", options->zone, "Such as Asia/Shanghai; else the service's own");
   command->add_option("--day-begin", options->day_begin,
                       "When the day begins, hh:mm; else the service's own");
-  command->add_flag("--trends", options->trends, "Counts by day, and reasons by count")->excludes(csv);
+  options::Option* trends =
+      command->add_flag("--trends", options->trends, "Counts by day, and reasons by count")->excludes(csv);
+  options::Option* verify =
+      command
+          ->add_flag("--verify-log", options->verify_log,
+                     "Say instead whether the log is as it was written; exit status 3 where it is not")
+          ->excludes(csv)
+          ->excludes(trends);
+  command
+      ->add_option("--kept-links", options->kept_links,
+                   "A file of links, best on another machine: compared, then the newest link is added")
+      ->needs(verify);
   command->callback([options, &context] {
     context.run = [options, &context] { return run_history(*options, context.options); };
   });

@@ -30,19 +30,6 @@ Result<Memory> Memory::open_to_read(const fs::path& file) {
   return Memory{std::move(database)};
 }
 
-Result<void> Memory::add_log(const LogRow& row) {
-  BITELINE_ASSIGN(Statement insert,
-                  database_->prepare("INSERT INTO log (time, who, door, action, subject, before, after) "
-                                     "VALUES (?, ?, ?, ?, ?, ?, ?)"));
-  insert.bind(row.time != 0 ? row.time : now_ms()).bind(row.who).bind(row.door).bind(row.action);
-  return insert.bind(row.subject).bind(row.before).bind(row.after).run();
-}
-
-Result<void> Memory::log(const LogRow& row) {
-  const std::lock_guard lock{*mutex_};
-  return add_log(row);
-}
-
 Result<std::vector<LogRow>> Memory::log_rows(std::int64_t before_id, int limit, std::optional<UnixMs> from,
                                              std::optional<UnixMs> to) const {
   const std::lock_guard lock{*mutex_};

@@ -8,10 +8,12 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "host/records/memory/database.hpp"
+#include "host/records/memory/log_chain.hpp"
 #include "host/records/memory/teaching.hpp"
 
 namespace biteline::memory {
@@ -187,6 +189,8 @@ class Memory {
   [[nodiscard]] Result<std::vector<LogRow>> log_rows(std::int64_t before_id, int limit,
                                                      std::optional<UnixMs> from = {},
                                                      std::optional<UnixMs> to = {}) const;
+  /// Whether the log is as it was written; `kept`: links that were kept elsewhere.  Also while it is written.
+  [[nodiscard]] Result<LogVerdict> verify_log(std::span<const LogLink> kept = {}) const;
 
   /// Change and log line in one transaction, here and below.
   [[nodiscard]] Result<void> put_user(const User& user, const LogRow& event);
@@ -208,6 +212,7 @@ class Memory {
 
  private:
   explicit Memory(Database database);
+  /// Pre: within a transaction; its link is made of the row before it.
   Result<void> add_log(const LogRow& row);
 
   std::unique_ptr<Database> database_;

@@ -162,6 +162,10 @@ CREATE INDEX scans_held ON scans (id) WHERE decision = 'held';
     R"sql(
 ALTER TABLE scans ADD COLUMN tip_bound_mm REAL;
 )sql",
+    // The log as a hash chain; rows of before have no link, the first one that has seals them.
+    R"sql(
+ALTER TABLE log ADD COLUMN link TEXT NOT NULL DEFAULT '';
+)sql",
 };
 
 Result<int> version_of(Database& database) {

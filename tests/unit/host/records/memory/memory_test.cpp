@@ -315,7 +315,7 @@ TEST(Memory, ShoesOfBeforeTheOutboxAreInItOnce) {
         "'outbox'; DROP INDEX scans_part; ALTER TABLE scans DROP COLUMN part; ALTER TABLE "
         "scans DROP COLUMN foot; ALTER TABLE scans DROP COLUMN size; ALTER TABLE scans DROP COLUMN "
         "tip_bound_mm; DROP TABLE teaching_scans; DROP TABLE teaching_deeds; DROP TABLE teachings; DROP "
-        "INDEX scans_held; PRAGMA user_version = 1"));
+        "INDEX scans_held; ALTER TABLE log DROP COLUMN link; PRAGMA user_version = 1"));
   }
   CHECK(!Outbox::open(file));
   Memory memory = opened();
