@@ -4,12 +4,14 @@
 set -euo pipefail
 esbuild=$1 folder=$2
 cd "$(dirname "${BASH_SOURCE[0]}")"
-mkdir -p "$folder"
+# What went into each bundle, for the package's bill of materials; beside the page, not in it.
+made=$folder.made
+mkdir -p "$folder" "$made"
 options=(--bundle --minify --legal-comments=eof --target=es2021 --charset=utf8 --log-level=warning
   --jsx=automatic --jsx-import-source=preact --format=iife)
 # A result folder's viewer is one file: its style is a text in it.
-"$esbuild" src/viewer/main.tsx "${options[@]}" --loader:.css=text --outfile="$folder/viewer.js"
-"$esbuild" src/app/main.tsx "${options[@]}" --outfile="$folder/app.js"
+"$esbuild" src/viewer/main.tsx "${options[@]}" --loader:.css=text --metafile="$made/viewer.json" --outfile="$folder/viewer.js"
+"$esbuild" src/app/main.tsx "${options[@]}" --metafile="$made/app.json" --outfile="$folder/app.js"
 cp public/* "$folder/"
 # English is a part of the page; the others come when they are asked for.
 mkdir -p "$folder/words"

@@ -48,6 +48,7 @@ holds "$fleet" usr/bin/biteline-fleet usr/share/man/man1/biteline-fleet.1 usr/li
   usr/share/biteline/migrations/0008_dead_letters.sql usr/share/biteline/migrations/0009_factory_day.sql usr/share/biteline/migrations/0010_shoe_numbers.sql \
   usr/share/biteline/broker/mosquitto.conf usr/share/biteline/broker/acl usr/share/biteline/prometheus/board.json usr/share/biteline/prometheus/prometheus.yml usr/share/biteline/prometheus/rules.yml \
   usr/share/doc/biteline-fleet/LICENSE
+for deb in "$host" "$web" "$gige" "$uplink" "$fleet"; do holds "$deb" usr/share/doc/biteline-[a-z]*/sbom.cdx.json; done
 twice=$(for deb in "$host" "$web" "$gige" "$uplink" "$fleet"; do dpkg-deb -c "$deb" | awk '!/\/$/ {print $6}'; done | sort | uniq -d)
 [ -z "$twice" ] || bad "in more than one package: $twice"
 ! dpkg-deb -f "$host" Depends | grep -q biteline || bad "biteline-host depends on itself"

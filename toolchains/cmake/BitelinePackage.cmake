@@ -2,6 +2,31 @@
 # What a unit gets: `cpack -G DEB` in a build folder makes biteline-firmware_<version>_<architecture>.deb.
 include(GNUInstallDirs)
 
+# biteline_package_sbom(COMPONENT PROGRAMS ... [PAGES ...]): what is in biteline-COMPONENT as CycloneDX, made when it is packed.
+# A cross build has none: ldd asks this machine's loader.
+function(biteline_package_sbom component)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "PROGRAMS;PAGES")
+  if(CMAKE_CROSSCOMPILING OR NOT CMAKE_GENERATOR STREQUAL Ninja)
+    return()
+  endif()
+  set(file ${CMAKE_BINARY_DIR}/sbom/${component}.cdx.json)
+  set(command ${CMAKE_SOURCE_DIR}/toolchains/package/sbom.py --name biteline-${component} --version ${PROJECT_VERSION}
+      --build ${CMAKE_BINARY_DIR} --lock ${CMAKE_SOURCE_DIR}/host/web/package-lock.json --out ${file})
+  foreach(program IN LISTS arg_PROGRAMS)
+    list(APPEND command --program ${CMAKE_BINARY_DIR}/bin/${program})
+  endforeach()
+  # As host/web decides whether the page is built.
+  if(BITELINE_ESBUILD AND EXISTS ${CMAKE_SOURCE_DIR}/host/web/node_modules/preact)
+    foreach(page IN LISTS arg_PAGES)
+      list(APPEND command --page ${CMAKE_BINARY_DIR}/share/biteline/web.made/${page}.json)
+    endforeach()
+  endif()
+  string(JOIN "\" \"" words ${command})
+  install(CODE "execute_process(COMMAND \"${words}\" COMMAND_ERROR_IS_FATAL ANY)" COMPONENT ${component})
+  install(FILES ${file} DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/biteline-${component} RENAME sbom.cdx.json COMPONENT ${component})
+endfunction()
+biteline_package_sbom(firmware PROGRAMS biteline-sensor)
+
 install(TARGETS biteline-sensor RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT firmware)
 install(FILES boards/common/systemd/biteline-sensor.service DESTINATION lib/systemd/system COMPONENT firmware)
 install(FILES boards/common/udev/90-biteline.rules DESTINATION lib/udev/rules.d COMPONENT firmware)

@@ -8,7 +8,7 @@ _biteline() {
   done
   local help words
   help=$("${asked[@]}" --help 2>/dev/null) || help=$("${asked[@]:0:2}" --help 2>/dev/null) || return 0
-  words=$(sed -n -e 's/^  \(--[a-z-]*\).*/\1/p' -e 's/^  -[a-zA-Z],\(--[a-z-]*\).*/\1/p' -e '/^Subcommands:/,$s/^  \([a-z]\+\) .*/\1/p' <<<"$help")
+  words=$(sed -n -e 's/^  \(--[a-z-]*\).*/\1/p' -e 's/^  -[a-zA-Z],\(--[a-z-]*\).*/\1/p' -e '/^Subcommands:/,$s/^  \([a-z][a-z-]*\) .*/\1/p' <<<"$help")
   mapfile -t COMPREPLY < <(compgen -W "$words" -- "$word")
 }
 complete -o default -F _biteline biteline biteline-host biteline-web biteline-gige biteline-uplink biteline-fleet

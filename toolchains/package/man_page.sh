@@ -13,7 +13,7 @@ escape() { sed -e 's/\\/\\e/g' -e 's/-/\\-/g' -e "s/^\([.']\)/\\\\\&\1/"; }
   "$program" --help | escape
   printf '.fi\n'
   # Subcommands, where there are any, each with its own help.
-  for command in $("$program" --help | sed -n '/^Subcommands:/,$p' | sed -n 's/^  \([a-z]*\) .*/\1/p'); do
+  for command in $("$program" --help | sed -n '/^Subcommands:/,$p' | sed -n 's/^  \([a-z][a-z-]*\) .*/\1/p'); do
     [ "$command" != demo ] || continue  # another program's
     printf '.SH %s\n.nf\n' "${command^^}"
     "$program" "$command" --help | escape
