@@ -64,6 +64,13 @@ TEST(InspectTool, AllWorkedIsDone) {
   LONGS_EQUAL(0, report()["work"]["faults"].size());
   CHECK_TRUE(std::filesystem::exists(folder.path() / "look" / "band.csv"));
   CHECK_TRUE(std::filesystem::exists(folder.path() / "look" / "band.svg"));
+  // work-quality reads its band: twice the same look has no spread.
+  auto study = intake::ChildProcess::start(
+      {.program = BITELINE_TOOL,
+       .arguments = {"work-quality", path("look"), path("look"), "--out", path("quality")}});
+  SUCCEEDS(study);
+  LONGS_EQUAL(2, study->wait(std::chrono::minutes{1}).value_or(-1));
+  STRCMP_CONTAINS("all 2 values are equal", study->last_words().c_str());
 }
 
 TEST(InspectTool, AGapIsForAPerson) {

@@ -5,6 +5,7 @@
 #include "common/core/fixed_text.hpp"
 #include "common/options/command.hpp"
 #include "host/apps/biteline/command.hpp"
+#include "host/apps/biteline/work_quality_files.hpp"
 #include "host/study/gage_study.hpp"
 
 namespace biteline::app {
@@ -47,6 +48,7 @@ Result<ExitStatus> run_study(const StudyOptions& options, const GlobalOptions& g
   BITELINE_ASSIGN(const study::GageStudy study, study::gage_study(readings));
   report.fields["input"] = options.table.filename().string();
   report.fields["study"] = json_of(study);
+  BITELINE_TRY(write_gage_page(study, options.table.filename().string(), options.out));
   BITELINE_TRY(report.write(options.out));
   const auto words = FixedText<300>::format(
       "%d parts, %d persons, %d trials: EV %.4g, AV %.4g, GRR %.4g, PV %.4g, TV %.4g; GRR is %.1f %% of TV, "
@@ -64,7 +66,7 @@ void add_study(options::Command& app, Context& context) {
       "study", "A gage study of readings: what of their spread is repeats, persons and parts");
   command->add_option("TABLE", options->table, "Readings: part,person,value; each person each part as often")
       ->required();
-  command->add_option("--out", options->out, "Folder for report.json")->required();
+  command->add_option("--out", options->out, "Folder for report.json and index.html")->required();
   command->callback([options, &context] {
     context.run = [options, &context] { return run_study(*options, context.options); };
   });
