@@ -16,6 +16,7 @@
 #include "common/options/command.hpp"
 #include "common/session/session.hpp"
 #include "common/system/file.hpp"
+#include "host/apps/biteline/capture_accept.hpp"
 #include "host/apps/biteline/capture_check.hpp"
 #include "host/apps/biteline/capture_scan.hpp"
 #include "host/apps/biteline/command.hpp"
@@ -430,6 +431,7 @@ void add_capture(options::Command& app, Context& context) {
     return sub;
   };
   add_capture_check(*command, context);
+  add_capture_accept(*command, context);
   add_capture_scan(*command, context);
   add("camera", "Views of the target: lens and sensor", Part::Camera);
   add("laser", "The two-plane target, each place with lamp and with laser: the laser's plane", Part::Laser)

@@ -107,6 +107,18 @@ std::optional<Plane> plane_through(const std::array<Vec3, 3>& p) {
   return Plane{normal.normalized(), p[0]};
 }
 
+/// From the farthest below to the farthest above, without the 3 in 1000 that are farthest from the middle.
+template <class Surface>
+double range_mm(const Surface& surface, std::span<const Vec3> points) {
+  constexpr double k_left_out_ratio = 0.003;
+  std::vector<double> off;
+  for (const Vec3& point : points) off.push_back(surface.off_mm(point));
+  std::ranges::sort(off, {}, [](double value) { return std::abs(value); });
+  off.resize(off.size() - static_cast<std::size_t>(k_left_out_ratio * static_cast<double>(off.size())));
+  const auto [low, high] = std::ranges::minmax(off);
+  return high - low;
+}
+
 /// Least squares over what lies near, strays left out.
 std::optional<Plane> fitted(const Plane& start, std::span<const Vec3> points, std::vector<Vec3>& used) {
   Plane plane = start;
@@ -143,7 +155,7 @@ PieceSize common_step(std::span<const Vec3> low, std::span<const Vec3> high) {
 
 }  // namespace
 
-Result<PieceSize> measure_ball(std::span<const Vec3> points, double diameter_mm) {
+Result<BallFit> fit_ball(std::span<const Vec3> points, double diameter_mm, double form_within_mm) {
   const double wanted_mm = diameter_mm / 2;
   auto sphere = find_most<4, Sphere>(points, sphere_through, [&](const Sphere& s) {
     return std::abs(s.radius_mm - wanted_mm) <= k_size_tolerance_ratio * wanted_mm;
@@ -176,7 +188,56 @@ Result<PieceSize> measure_ball(std::span<const Vec3> points, double diameter_mm)
   if (!(sigma_mm <= k_most_sigma_ratio * diameter_mm) ||
       std::abs(2 * sphere->radius_mm / diameter_mm - 1) > k_size_tolerance_ratio)
     return fail(Errc::Refused, "too small a part of the ball of %.3f mm is in the scan", diameter_mm);
-  return PieceSize{2 * sphere->radius_mm, sigma_mm, scatter_mm, used.size()};
+  BallFit ball{.centre = sphere->centre, .size = {2 * sphere->radius_mm, sigma_mm, scatter_mm, used.size()}};
+  ball.form_mm = range_mm(*sphere, near_to(*sphere, points, form_within_mm));
+  return ball;
+}
+
+Result<PieceSize> measure_ball(std::span<const Vec3> points, double diameter_mm) {
+  BITELINE_ASSIGN(const BallFit ball, fit_ball(points, diameter_mm, k_near_mm));
+  return ball.size;
+}
+
+Result<BarFit> measure_bar(std::span<const Vec3> points, const Bar& bar) {
+  BITELINE_ASSIGN(const BallFit first, fit_ball(points, bar.diameter_mm, k_near_mm));
+  std::vector<Vec3> rest;
+  const double beyond_mm = bar.diameter_mm / 2 + 2 * k_near_mm;
+  for (const Vec3& point : points) {
+    if ((point - first.centre).norm() > beyond_mm) rest.push_back(point);
+  }
+  const Result<BallFit> second = fit_ball(rest, bar.diameter_mm, k_near_mm);
+  if (!second)
+    return fail(Errc::Refused, "only one ball of %.3f mm is in the scan, the bar has two", bar.diameter_mm);
+  const double distance_mm = (second->centre - first.centre).norm();
+  if (std::abs(distance_mm / bar.distance_mm - 1) > k_size_tolerance_ratio)
+    return fail(Errc::Refused, "balls %.3f mm apart are in the scan, and no bar of %.3f mm", distance_mm,
+                bar.distance_mm);
+  // A middle is known no worse than its ball's size.
+  return BarFit{.distance_mm = distance_mm,
+                .sigma_mm = std::hypot(first.size.sigma_mm, second->size.sigma_mm) / 2,
+                .points = first.size.points + second->size.points};
+}
+
+Result<FlatFit> measure_flat(std::span<const Vec3> points, double within_mm) {
+  auto plane = find_most<3, Plane>(points, plane_through, [](const Plane&) { return true; });
+  std::vector<Vec3> used;
+  for (int round = 0; plane && round < k_fit_rounds; ++round) {
+    used = near_to(*plane, points, within_mm);
+    const auto fit = geometry::fit_plane(used);
+    if (!fit || used.size() < k_least_points) return fail(Errc::Refused, "no plane is in the scan");
+    plane = Plane{fit->normal, fit->mean};
+  }
+  if (!plane) return fail(Errc::Refused, "no plane is in the scan");
+  used = near_to(*plane, points, within_mm);
+  Mat3 scatter = Mat3::Zero();
+  for (const Vec3& point : used) scatter += (point - plane->mean) * (point - plane->mean).transpose();
+  const Vec3 along = geometry::principal_axes(scatter).vectors.col(2);
+  const auto [first, last] =
+      std::ranges::minmax(used, {}, [&](const Vec3& point) { return along.dot(point); });
+  return FlatFit{.flatness_mm = range_mm(*plane, used),
+                 .rms_mm = rms_mm(*plane, used),
+                 .across_mm = along.dot(last - first),
+                 .points = used.size()};
 }
 
 Result<PieceSize> measure_step(std::span<const Vec3> points, double height_mm) {

@@ -7,7 +7,9 @@
 #include <random>
 #include <vector>
 
+#include "host/intake/capture/refused.hpp"
 #include "tests/support/errors.hpp"
+#include "tests/support/refusals.hpp"
 
 namespace biteline::capture {
 
@@ -23,12 +25,12 @@ TEST_GROUP(KnownPiece) {
   }
 
   /// The cap of a ball that a head from above sees, `share` of its half.
-  void add_ball(double diameter_mm, double share, std::size_t count) {
+  void add_ball(double diameter_mm, double share, std::size_t count, double x_mm = 400) {
     const double r = diameter_mm / 2;
     for (std::size_t i = 0; i < count; ++i) {
       const double z = 1 - share * any(0, 1), turn = any(0, 6.283185307), rho = std::sqrt(1 - z * z);
       const double at = r + noise(0.03);
-      points.emplace_back(400 + at * rho * std::cos(turn), 20 + at * rho * std::sin(turn), 50 + at * z);
+      points.emplace_back(x_mm + at * rho * std::cos(turn), 20 + at * rho * std::sin(turn), 50 + at * z);
     }
   }
   void add_plane(double z_mm, double from_x_mm, std::size_t count) {
@@ -65,6 +67,47 @@ TEST(KnownPiece, WithoutABallThereIsNone) {
   FAILS_NAMING(Errc::Refused, "ball of 30", measure_ball(points, 30));
 }
 
+TEST(KnownPiece, TheFormErrorIsTheRangeWithoutTheFarthest) {
+  add_ball(30.0, 0.8, 20000);
+  const auto ball = fit_ball(points, 30, 0.3);
+  SUCCEEDS(ball);
+  DOUBLES_EQUAL(30.0, ball->size.size_mm, 0.01);
+  CHECK((ball->centre - Vec3(400, 20, 50)).norm() < 0.01);
+  // Of a normal scatter of 0.03 mm 99.7 % lie within 2.97 of it; an edge of so many points is known to 2 %.
+  DOUBLES_EQUAL(2 * 2.968 * 0.03, ball->form_mm, 0.05 * 2 * 2.968 * 0.03);
+}
+
+TEST(KnownPiece, ABarIsTheDistanceOfItsBalls) {
+  add_ball(30.0, 0.8, 4000);
+  add_ball(30.0, 0.8, 4000, 520);
+  add_plane(35, 380, 8000);
+  const auto bar = measure_bar(points, {.diameter_mm = 30, .distance_mm = 120});
+  SUCCEEDS(bar);
+  CHECK(bar->sigma_mm > 0 && bar->sigma_mm < 0.005);
+  DOUBLES_EQUAL(120, bar->distance_mm, 0.015);
+  FAILS_NAMING(Errc::Refused, "no bar of 200", measure_bar(points, {.diameter_mm = 30, .distance_mm = 200}));
+  points.resize(4000);
+  FAILS_NAMING(Errc::Refused, "only one ball", measure_bar(points, {.diameter_mm = 30, .distance_mm = 120}));
+}
+
+TEST(KnownPiece, APlateThatIsSeenBentIsNotFlat) {
+  // A bow of 0.2 mm over 60 mm, and a scatter of 0.01 mm.
+  for (std::size_t i = 0; i < 20000; ++i) {
+    const double x = any(-30, 30), y = any(-10, 10);
+    points.emplace_back(x, y, 7 + 0.2 * (x / 30) * (x / 30) + noise(0.01));
+  }
+  points.emplace_back(0, 0, 90);  // something else
+  const auto flat = measure_flat(points, 0.6);
+  SUCCEEDS(flat);
+  // The bow's range is 0.2 mm; the scatter adds less than three of its deviations at either end.
+  CHECK(flat->flatness_mm > 0.2 && flat->flatness_mm < 0.2 + 6 * 0.01);
+  // It reaches over the corners' way at most.
+  CHECK(flat->across_mm > 59 && flat->across_mm < 64);
+  LONGS_EQUAL(20000, flat->points);
+  points.resize(100);
+  FAILS_NAMING(Errc::Refused, "no plane", measure_flat(points, 0.6));
+}
+
 TEST(KnownPiece, AStepIsTheDistanceOfItsFaces) {
   add_plane(0, 0, 6000);
   add_plane(12.5, 42, 3000);
@@ -80,6 +123,10 @@ TEST(KnownPiece, AStepOfAnotherHeightIsNone) {
   add_plane(12.5, 42, 3000);
   FAILS_NAMING(Errc::Refused, "no step of about 20", measure_step(points, 20));
   CHECK_FALSE(measure_step({}, 20).has_value());
+}
+
+TEST(KnownPiece, CodesAreInTheirTable) {
+  test::check_refusal_table(AcceptRefused::BeyondLimit);
 }
 
 }  // namespace biteline::capture
