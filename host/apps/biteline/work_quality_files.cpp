@@ -13,7 +13,7 @@
 namespace biteline::app {
 namespace {
 
-/// Columns of band.csv (inspect_files.cpp).
+/// Columns of the band.csv of `biteline inspect`.
 constexpr std::size_t k_band_columns = 12, k_state = 1, k_low = 2, k_high = 7;
 
 std::string number(const char* form, double value) {

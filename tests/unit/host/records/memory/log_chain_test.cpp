@@ -6,6 +6,7 @@
 #include <set>
 
 #include "host/records/memory/memory.hpp"
+#include "host/records/memory/schema.hpp"
 #include "tests/support/errors.hpp"
 #include "tests/support/refusals.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -180,7 +181,7 @@ TEST(LogChain, AChainThatWasMadeAnewIsFoundByAKeptLink) {
 
 TEST(LogChain, ALogOfBeforeTheChainIsToldAndSealedByItsFirstLink) {
   write(6);
-  attack("ALTER TABLE log DROP COLUMN link; PRAGMA user_version = 7");
+  attack("ALTER TABLE log DROP COLUMN link; PRAGMA user_version = " + std::to_string(schema_version() - 1));
   FAILS_NAMING(Errc::NotSupported, "start biteline-host once", Memory::open_to_read(file));
   { Memory memory = opened(); }
   const LogVerdict before = verdict();
