@@ -8,7 +8,7 @@ bin=${1:-$here/../../build/bin}
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-for drawing in section check_lap second_look sensor_bracket sensor_wiring; do awk -f "$here/$drawing.awk" >"$here/$drawing.svg"; done
+for drawing in section check_lap laser_class second_look sensor_bracket sensor_wiring; do awk -f "$here/$drawing.awk" >"$here/$drawing.svg"; done
 
 # The rate keeps the profiles some 1.4 mm apart: enough for a picture, and a minute's work.
 "$bin/biteline-cell" record --seed 5 --shoe deep --rate-hz 70 --out "$work/sample-session"
