@@ -57,6 +57,7 @@ struct AcceptOptions {
 struct Piece {
   std::string kind;
   fs::path cloud;
+  std::string shown;  ///< its name in the table
   double first_mm{0}, second_mm{0};
 };
 
@@ -83,7 +84,9 @@ Result<std::vector<Piece>> read_pieces(const fs::path& table) {
                   "%.150s row %d: 'ball,CLOUD,diameter', 'bar,CLOUD,diameter,distance', 'plane,CLOUD' or "
                   "'step,CLOUD,height' expected",
                   table.c_str(), row.number());
-    Piece piece{.kind = std::string{row.text(0)}, .cloud = table.parent_path() / std::string{row.text(1)}};
+    Piece piece{.kind = std::string{row.text(0)},
+                .cloud = table.parent_path() / std::string{row.text(1)},
+                .shown = std::string{row.text(1)}};
     constexpr NumberRange k_sizes_mm{.minimum = 0.5, .maximum = 2000};
     if (kind->sizes > 0) {
       BITELINE_ASSIGN(piece.first_mm, row.number(2, k_sizes_mm));
@@ -146,7 +149,7 @@ class Measuring {
   void add(Trait trait, const Piece& piece, double known_mm, double measured_mm) {
     all_.push_back({.trait = trait,
                     .piece = piece.kind,
-                    .cloud = piece.cloud.lexically_normal().string(),
+                    .cloud = piece.shown,
                     .known_mm = known_mm,
                     .measured_mm = measured_mm,
                     .off_mm = measured_mm - known_mm,
@@ -260,7 +263,7 @@ Result<ExitStatus> accept(const AcceptOptions& options, const GlobalOptions& glo
   auto scans = nlohmann::ordered_json::object();
   for (const Piece& piece : pieces) {
     BITELINE_TRY(measuring.take(piece));
-    BITELINE_ASSIGN(scans[piece.cloud.lexically_normal().string()], digest_of_file(piece.cloud));
+    BITELINE_ASSIGN(scans[piece.shown], digest_of_file(piece.cloud));
   }
   const std::vector<Summary> summaries = summaries_of(measuring.all());
   bool passed = true, complete = true;
