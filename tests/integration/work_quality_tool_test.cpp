@@ -123,4 +123,30 @@ TEST(WorkQualityTool, WhatDoesNotBelongTogetherIsToldByName) {
   STRCMP_CONTAINS("nothing/report.json", tell().last_error.c_str());
 }
 
+TEST(WorkQualityTool, AGageStudyOfLooksIsThatOfTheirWidths) {
+  // 3 shoes, 2 persons, 2 looks each.
+  const double widths_mm[] = {7.90, 7.92, 8.00, 8.03, 8.10, 8.09, 7.95, 7.93, 8.02, 8.04, 8.14, 8.12};
+  std::string of_looks = "#part,person,look\n", of_values = "#part,person,value\n";
+  for (int i = 0; i < 12; ++i) {
+    look(widths_mm[i]);
+    const std::string who =
+        std::to_string(i / 2 % 3) + "," + std::string(1, static_cast<char>('A' + i / 6)) + ",";
+    of_looks += who + std::filesystem::path(looks.back()).filename().string() + "\n";
+    of_values += who + std::to_string(widths_mm[i]) + "\n";
+  }
+  const auto study = [&](const std::string& table, std::vector<std::string> more) {
+    more.insert(more.begin(), {"study", folder.write("table.csv", table), "--out",
+                               (folder.path() / "out").string(), "--quiet"});
+    auto child = intake::ChildProcess::start({.program = BITELINE_TOOL, .arguments = more});
+    SUCCEEDS(child);
+    LONGS_EQUAL(0, child->wait(std::chrono::seconds{30}).value_or(-1));
+    return report()["study"];
+  };
+  const nlohmann::json values = study(of_values, {}), widths = study(of_looks, {"--of", "width"});
+  for (const char* figure : {"ev", "av", "pv", "grr", "tv", "grr_percent"})
+    DOUBLES_EQUAL(values[figure].get<double>(), widths[figure].get<double>(), 1e-4);
+  CHECK(values["pv"].get<double>() > 0.05);
+  CHECK(std::filesystem::exists(folder.path() / "out" / "index.html"));
+}
+
 }  // namespace biteline

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: MIT
 // biteline study: how much of what is measured is the measuring.
 #include <memory>
+#include <optional>
+#include <vector>
 
 #include "common/core/fixed_text.hpp"
+#include "common/csv/table.hpp"
 #include "common/options/command.hpp"
 #include "host/apps/biteline/command.hpp"
 #include "host/apps/biteline/work_quality_files.hpp"
@@ -13,7 +16,24 @@ namespace {
 
 struct StudyOptions {
   std::filesystem::path table, out;
+  std::string of;  ///< width or place: the table names looks; empty: it has values
 };
+
+/// A table `#part,person,look`: of each look's folder its width or place.
+Result<std::vector<study::Reading>> readings_of_looks(const StudyOptions& options) {
+  std::vector<study::Reading> readings;
+  BITELINE_TRY(csv::read_table(options.table, 3, 3, [&](const csv::Row& row) -> Result<void> {
+    const std::filesystem::path folder = options.table.parent_path() / std::string{row.text(2)};
+    BITELINE_ASSIGN(const ShoeWork work, read_shoe_work(folder));
+    const std::optional<double>& value = options.of == "width" ? work.width_mm : work.off_mm;
+    if (!value)
+      return fail(Errc::BadValue, "%.200s: this look tells no band; scan the shoe again", folder.c_str());
+    readings.push_back(
+        {.part = std::string{row.text(0)}, .person = std::string{row.text(1)}, .value = *value});
+    return {};
+  }));
+  return readings;
+}
 
 nlohmann::ordered_json json_of(const study::Source& source) {
   return {{"sum_of_squares", source.squares},
@@ -44,9 +64,11 @@ nlohmann::ordered_json json_of(const study::GageStudy& study) {
 Result<ExitStatus> run_study(const StudyOptions& options, const GlobalOptions& global) {
   report::Report report;
   BITELINE_TRY(report::prepare_folder(options.out));
-  BITELINE_ASSIGN(const std::vector<study::Reading> readings, study::read_readings(options.table));
+  BITELINE_ASSIGN(const std::vector<study::Reading> readings,
+                  options.of.empty() ? study::read_readings(options.table) : readings_of_looks(options));
   BITELINE_ASSIGN(const study::GageStudy study, study::gage_study(readings));
   report.fields["input"] = options.table.filename().string();
+  if (!options.of.empty()) report.fields["of"] = options.of;
   report.fields["study"] = json_of(study);
   BITELINE_TRY(write_gage_page(study, options.table.filename().string(), options.out));
   BITELINE_TRY(report.write(options.out));
@@ -67,6 +89,10 @@ void add_study(options::Command& app, Context& context) {
   command->add_option("TABLE", options->table, "Readings: part,person,value; each person each part as often")
       ->required();
   command->add_option("--out", options->out, "Folder for report.json and index.html")->required();
+  command
+      ->add_option("--of", options->of,
+                   "The table's third column names folders of biteline inspect: study their width or place")
+      ->check(options::one_of({"width", "place"}));
   command->callback([options, &context] {
     context.run = [options, &context] { return run_study(*options, context.options); };
   });
