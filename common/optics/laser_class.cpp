@@ -74,7 +74,8 @@ void take_stricter(LimitShare& most, double share, LaserRule rule) {
 double c5(const Emission& emission, double base_s) {
   if (emission.length_s > k_group_s || base_s <= k_blink_s) return 1;
   const double pulses = pulses_in(emission, std::min(base_s, k_balance_s));
-  return pulses <= 600 ? 1 : std::max(0.4, 5 * std::pow(pulses, -0.25));
+  // Between 600 and 625 pulses the formula is a hair above 1: no pulse is allowed more than alone.
+  return pulses <= 600 ? 1 : std::clamp(5 * std::pow(pulses, -0.25), 0.4, 1.0);
 }
 
 LimitShare share_of(const Seen& seen, Limit limit_j, double base_s) {

@@ -134,7 +134,10 @@ TEST(LaserClass, ShortPulsesAreBoundByTheirNumber) {
   const LaserJudgement judgement = judge(spot(10), train);
   DOUBLES_EQUAL(2e-8 / (7.7e-8 * 0.5), judgement.one.share, 1e-9);
   CHECK(judgement.one.rule == LaserRule::PulseTrain);
-  // 60 a second: 600 in 10 s, C5 = 1.  10 000 a second: at its least, 0.4.
+  // 60 a second: 600 in 10 s, C5 = 1.  61: 610, no more than 1.  200: 2000, 5 / 6.6874 = 0.74767.
+  DOUBLES_EQUAL(2e-8 / 7.7e-8, judge(spot(10), {.length_s = 2e-6, .rate_hz = 61}).one.share, 1e-9);
+  DOUBLES_EQUAL(2e-8 / (7.7e-8 * 0.74767), judge(spot(10), {.length_s = 2e-6, .rate_hz = 200}).one.share,
+                1e-5);
   DOUBLES_EQUAL(2e-8 / 7.7e-8, judge(spot(10), {.length_s = 2e-6, .rate_hz = 60}).one.share, 1e-9);
   // 50 000: 0.4 against a mean of 1 mW, which is stricter.
   const LaserJudgement dense = judge(spot(10), {.length_s = 2e-6, .rate_hz = 50'000});
