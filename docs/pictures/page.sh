@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 # page.sh [BUILD]: makes the pictures of the page again (default: build beside the sources; root, chromium).
-# The browser test runs the simulated cell and leaves pictures of its views; two are copied here.
+# The browser test runs the simulated cell and leaves pictures of its views; three are copied here.
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 build=${1:-$here/../../build}
-rm -f "$build"/web_pictures/cell_{live,scan}_1280.png
+rm -f "$build"/web_pictures/cell_{live,scan,work}_1280.png
 ctest --test-dir "$build" -R '^web_cell$' --output-on-failure
-for picture in live scan; do
+for picture in live scan work; do
   if ! cp "$build/web_pictures/cell_${picture}_1280.png" "$here/page_$picture.png"; then
     echo "page.sh: the test was skipped; its own words say why: ctest --test-dir $build -R web_cell -V" >&2
     exit 1

@@ -113,3 +113,33 @@ export async function wide_as_screen(page, name) {
   const [content, window] = await page.evaluate(() => [document.documentElement.scrollWidth, innerWidth]);
   check(content <= window, `${name}: ${content} px wide on a screen of ${window} px`);
 }
+
+/// Who is logged in stands in the menu.
+export async function who_is(page, words) {
+  const menu = page.getByRole('button', { name: 'Menu', exact: true });
+  await menu.click();
+  await page.locator('#menu').getByText(words).waitFor();
+  await menu.click();
+}
+
+/// In the menu; `now` is what the language's own label is called now.
+export async function choose_language(page, code, { menu = 'Menu', label = 'Language' } = {}) {
+  await page.getByRole('button', { name: menu, exact: true }).click();
+  await page.getByLabel(label).selectOption(code);
+  await page.keyboard.press('Escape');
+}
+
+export async function release_control(page) {
+  await page.getByRole('button', { name: 'You have control' }).click();
+  await page.getByRole('button', { name: 'Release control' }).click();
+}
+
+/// From somebody who has it: with a word.
+export async function take_control_from(page, holder, why) {
+  await page.getByRole('button', { name: `${holder} has control` }).click();
+  const panel = page.locator('#control');
+  // The question has the focus at once: nobody reaches for it.
+  await page.waitForFunction(() => document.activeElement?.closest('#control input'));
+  await panel.getByLabel('Why').fill(why);
+  await panel.getByRole('button', { name: 'Take control' }).click();
+}

@@ -4,7 +4,7 @@
 // cell_test.mjs BIN SOURCE PICTURE_FOLDER
 import { existsSync, mkdirSync } from 'node:fs';
 import { join } from 'node:path';
-import { check, check_answers, look_for_faults, open, start, whole_page } from './browser.mjs';
+import { check, check_answers, look_for_faults, open, start, who_is, whole_page } from './browser.mjs';
 import { Busy, out, run, run_test, say, start_cell } from './cell_programs.mjs';
 
 const [, , pictures] = process.argv.slice(2);
@@ -23,7 +23,7 @@ async function whole_way() {
   await anna.page.getByLabel('New password').fill('correct horse');
   await anna.page.getByRole('button', { name: 'Make the account' }).click();
   await anna.page.getByRole('heading', { name: 'Live' }).waitFor();
-  await anna.page.getByText('anna, administrator').waitFor();
+  await who_is(anna.page, 'anna, administrator');
   say('the first account is made and logged in');
 
   await anna.page.goto(`${address}#/people`);
@@ -37,7 +37,8 @@ async function whole_way() {
   await vera.page.getByLabel('Name', { exact: true }).fill('vera');
   await vera.page.getByLabel('Password', { exact: true }).fill('only looking');
   await vera.page.getByRole('button', { name: 'Log in' }).click();
-  await vera.page.getByText('vera, viewer').waitFor();
+  await who_is(vera.page, 'vera, viewer');
+  await vera.page.goto(`${address}#/live`);
 
   await anna.page.goto(`${address}#/live`);
   await anna.page.getByRole('button', { name: 'Take control' }).click();
@@ -93,8 +94,15 @@ async function whole_way() {
   await shown.getByText('Section across the line', { exact: true }).waitFor({ timeout: 60_000 });
   await shown.waitForTimeout(1000);
   await shown.screenshot({ path: join(pictures, 'cell_scan_1280.png') });
-  await shown.close();
   await row_of((row) => row.id === scan.id && row.decision === 'held', 60);
+  // The operator's screen: the shoe with its line, and a yes within reach.
+  await shown.setViewportSize({ width: 1280, height: 900 });
+  await shown.goto(`${address}#/work`);
+  await shown.locator('.shoe .scale-bar').waitFor();
+  await shown.getByRole('button', { name: 'Accept' }).waitFor();
+  await shown.waitForTimeout(1000);
+  await shown.screenshot({ path: join(pictures, 'cell_work_1280.png') });
+  await shown.close();
   // A place of the found line itself: led through it, the line stays where it is, and is the hand's.
   const middle = await anna.page.evaluate(async (id) => {
     const rows = (await (await fetch(`/api/v1/scans/${id}/files/line.csv`)).text()).split('\n').filter((row) => /^[-\d]/.test(row));

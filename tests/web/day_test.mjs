@@ -4,7 +4,7 @@
 // Real: sensor, service, web program, page, on the simulated cell.  day_test.mjs BIN SOURCE PICTURE_FOLDER
 import { mkdirSync } from 'node:fs';
 import { join } from 'node:path';
-import { check, check_answers, look_for_faults, open, start } from './browser.mjs';
+import { check, check_answers, look_for_faults, open, start, who_is } from './browser.mjs';
 import { Busy, end, out, run_test, say, start_cell, start_sensor, start_world } from './cell_programs.mjs';
 
 const [, , pictures] = process.argv.slice(2);
@@ -24,7 +24,7 @@ async function day() {
   await page.getByLabel("Administrator's name").fill('anna');
   await page.getByLabel('New password').fill('correct horse');
   await page.getByRole('button', { name: 'Make the account' }).click();
-  await page.getByText('anna, administrator').waitFor();
+  await who_is(page, 'anna, administrator');
   await page.getByRole('button', { name: 'Take control' }).click();
   await page.getByText('You have control', { exact: true }).waitFor();
   const ask = (path) => page.evaluate(async (path) => (await fetch(`/api/v1/${path}`)).json(), path);

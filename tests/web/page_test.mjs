@@ -3,7 +3,9 @@
 // page_test.mjs PAGE_FOLDER PICTURE_FOLDER
 import { existsSync, mkdirSync, readFileSync } from 'node:fs';
 import { join } from 'node:path';
-import { check, check_answers, failures, look_for_faults, open, skip, start, whole_page, wide_as_screen } from './browser.mjs';
+import {
+  check, check_answers, choose_language, failures, look_for_faults, open, release_control, skip, start, take_control_from, who_is, whole_page, wide_as_screen,
+} from './browser.mjs';
 import { FakeCell, live } from './fake_cell.mjs';
 
 const [page_folder, pictures] = process.argv.slice(2);
@@ -70,6 +72,7 @@ async function send_live(turn) {
 }
 
 const views = [
+  ['work', '#/work', 'Work'],
   ['live', '#/live', 'Live'],
   ['scans', '#/scans', 'Scans'],
   ['scan', '#/scans/scan-0004', 'scan-0004'],
@@ -205,7 +208,7 @@ anna.may_fail = false;
 await anna.page.getByRole('button', { name: 'Keep this recording' }).click();
 await anna.page.getByText('kept: the scan that ends next', { exact: false }).waitFor();
 await look_for_faults(anna.page, 'a recording kept');
-await anna.page.getByRole('button', { name: 'Release control' }).click();
+await release_control(anna.page);
 await anna.page.getByText('Nobody has control').waitFor();
 
 say('what is mounted: touched, told, kept with who');
@@ -244,7 +247,7 @@ await look_for_faults(anna.page, 'what is mounted');
 await whole_page(anna.page, join(pictures, 'mounted_1280.png'));
 await tip.getByRole('button', { name: 'Forget it' }).click();
 await tip.getByText('Not taught.').waitFor();
-await anna.page.getByRole('button', { name: 'Release control' }).click();
+await release_control(anna.page);
 await anna.page.getByText('Nobody has control').waitFor();
 
 say('a scan of no known model');
@@ -261,7 +264,7 @@ await look_for_faults(anna.page, 'a scan of no known model');
 await anna.page.getByRole('button', { name: 'Go on as this model' }).click();
 await anna.page.getByText('scan-0004 goes on as runner-42.').waitFor();
 check(cell.calls.some((one) => one.path === '/scans/scan-0004/model' && one.body.model === 'runner-42'), 'the model did not arrive');
-await anna.page.getByRole('button', { name: 'Release control' }).click();
+await release_control(anna.page);
 await anna.page.getByText('Nobody has control').waitFor();
 Object.assign(cell.scans[0], { reason: 'weak on the left side' });
 
@@ -300,9 +303,7 @@ await anna.page.getByRole('button', { name: 'Reject' }).click();
 await anna.page.getByText('Rejected.').waitFor();
 check(cell.scans[3].why === 'glue on the toe', 'the reason did not arrive');
 // Taking control from somebody needs a word; the other one sees it at once.
-await otto.page.getByRole('button', { name: 'Take control' }).click();
-await otto.page.getByLabel('Why').fill('my shift');
-await otto.page.getByRole('button', { name: 'Take control' }).click();
+await take_control_from(otto.page, 'anna', 'my shift');
 await anna.page.getByText('otto has control').waitFor();
 check(await anna.page.getByRole('button', { name: 'Scan again' }).isDisabled(), 'a decision without control');
 
@@ -436,7 +437,7 @@ check(await anna.page.getByRole('button', { name: 'Run in the air' }).isDisabled
 await otto.page.goto(`${address}#/teach`);
 await otto.page.getByText('An engineer may change this.').waitFor();
 check(await otto.page.getByRole('button', { name: 'Plan with this process' }).isDisabled(), 'an operator may teach');
-await otto.page.getByRole('button', { name: 'Release control' }).click();
+await release_control(otto.page);
 await anna.page.getByText('Nobody has control').waitFor();
 await anna.page.getByRole('button', { name: 'Take control and go on' }).click();
 await anna.page.getByText('You have control', { exact: true }).waitFor();
@@ -458,7 +459,7 @@ say('teach: another browser stands at the same step, and the first one after a r
 const second = await open(browser);
 await second.page.goto(address);
 await log_in(second.page, 'anna', 'correct horse');
-await second.page.getByText('anna, administrator').waitFor();
+await who_is(second.page, 'anna, administrator');
 await second.page.goto(`${address}#/teach`);
 await anna.page.reload();
 for (const { page } of [second, anna]) {
@@ -554,7 +555,7 @@ cell.push('state', cell.told_state());
 // An answer that comes later than the event of what happened since puts nothing back.
 cell.control_answer_ms = 1500;
 const control_answers = cell.control_answers;
-await anna.page.getByRole('button', { name: 'Release control' }).click();
+await release_control(anna.page);
 await otto.page.getByText('Nobody has control').waitFor();
 await otto.page.getByRole('button', { name: 'Take control' }).click();
 await otto.page.getByText('You have control', { exact: true }).waitFor();
@@ -572,9 +573,7 @@ await anna.page.getByText('Take control first').first().waitFor();
 await otto.page.goto(`${address}#/scans/scan-0004`);
 await otto.page.getByRole('heading', { name: 'scan-0004', level: 1 }).waitFor();
 check((await otto.page.getByText('Work it out again').count()) === 0, 'an operator may work out again');
-await anna.page.getByRole('button', { name: 'Take control' }).click();
-await anna.page.getByLabel('Why').first().fill('to try a process');
-await anna.page.getByRole('button', { name: 'Take control' }).click();
+await take_control_from(anna.page, 'otto', 'to try a process');
 await anna.page.getByText('You have control', { exact: true }).waitFor();
 const again = anna.page.locator('details', { hasText: 'Work it out again' });
 await again.getByLabel('Line').selectOption('model runner-42');
@@ -589,7 +588,7 @@ cell.push('scan', cell.scans[0]);
 await anna.page.getByRole('row', { name: /runner-42.*the outline differs/ }).waitFor();
 await otto.page.getByRole('row', { name: /runner-42.*the outline differs/ }).waitFor();
 await look_for_faults(anna.page, 'worked out again');
-await anna.page.getByRole('button', { name: 'Release control' }).click();
+await release_control(anna.page);
 await anna.page.getByText('Nobody has control').waitFor();
 
 say('process form: in words, checked at once');
@@ -679,7 +678,7 @@ await anna.page.getByLabel('Under another name').fill('boot-41');
 await anna.page.getByRole('button', { name: 'Import' }).click();
 await anna.page.getByRole('row', { name: /boot-41/ }).waitFor();
 await look_for_faults(anna.page, 'a model imported');
-await anna.page.getByRole('button', { name: 'Release control' }).click();
+await release_control(anna.page);
 await anna.page.goto(`${address}#/people`);
 await anna.page.locator('form').first().getByLabel('Name').fill('berta');
 await anna.page.locator('form').first().getByLabel('Password').fill('long enough');
@@ -687,11 +686,12 @@ await anna.page.locator('form').first().getByRole('button', { name: 'Save' }).cl
 await anna.page.getByRole('row', { name: /berta/ }).waitFor();
 
 say('words in another language');
-await anna.page.getByLabel('Language').selectOption('de');
+await choose_language(anna.page, 'de');
+await anna.page.getByRole('combobox', { name: 'Ansicht für' }).selectOption('maintainer');
 await anna.page.getByRole('link', { name: 'Geräte' }).click();
 await anna.page.getByRole('heading', { name: 'Geräte' }).waitFor();
 check((await anna.page.getAttribute('html', 'lang')) === 'de', 'lang is not de');
-await anna.page.getByLabel('Sprache').selectOption('en');
+await choose_language(anna.page, 'en', { menu: 'Menü', label: 'Sprache' });
 
 say('the service goes and comes');
 await anna.page.goto(`${address}#/live`);
@@ -734,7 +734,7 @@ say('trends of one day: an axis of that day, and figures without a pointer');
     };
   });
   await one.page.goto(`${address}#token=one-time`);
-  await one.page.getByText('vera, viewer').waitFor();
+  await who_is(one.page, 'vera, viewer');
   await one.page.goto(`${address}#/scans`);
   await one.page.locator('.chart').first().locator('.u-legend').waitFor();
   await one.page.getByText('Ended by a person: 1, by the machine: 4, by the shoe: 6.').waitFor();
@@ -755,10 +755,11 @@ say('trends of one day: an axis of that day, and figures without a pointer');
 say('a one-time token');
 const vera = await open(browser);
 await vera.page.goto(`${address}#token=one-time`);
-await vera.page.getByText('vera, viewer').waitFor();
+await who_is(vera.page, 'vera, viewer');
 check(!vera.page.url().includes('one-time'), 'the token stays in the address');
 Object.assign(cell.scans[0], { decision: 'held' });
 cell.push('scan', cell.scans[0]);
+await vera.page.goto(`${address}#/live`);
 await vera.page.getByRole('heading', { name: 'Waits for an operator' }).waitFor();
 check((await vera.page.getByText('Waits for your decision').count()) === 0, 'a viewer is asked to decide');
 await otto.context.close();

@@ -4,7 +4,7 @@
 // teach_test.mjs BIN SOURCE PICTURE_FOLDER [CLASS SEED]: a shoe of its own, with the gate as it is shipped, for the bench.
 import { mkdirSync } from 'node:fs';
 import { join } from 'node:path';
-import { check, check_answers, look_for_faults, open, start } from './browser.mjs';
+import { check, check_answers, look_for_faults, open, start, who_is } from './browser.mjs';
 import { Busy, out, run_test, say, start_cell } from './cell_programs.mjs';
 
 const [, , pictures, ...shoe] = process.argv.slice(2);
@@ -27,7 +27,7 @@ async function teach() {
   await page.getByLabel("Administrator's name").fill('anna');
   await page.getByLabel('New password').fill('correct horse');
   await page.getByRole('button', { name: 'Make the account' }).click();
-  await page.getByText('anna, administrator').waitFor();
+  await who_is(page, 'anna, administrator');
   await page.getByRole('button', { name: 'Take control' }).click();
   await page.getByText('You have control', { exact: true }).waitFor();
   const ask = (method, path, body) =>

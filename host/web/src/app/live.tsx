@@ -7,15 +7,13 @@ import { type Scale, gradient } from '../viewer/colours';
 import { amount, language, number, t, t_or } from '../words';
 import { call } from './api';
 import { Fresh, NotSendable, use_sendable, use_shown_version } from './fresh';
+import { lamp_signs, lamps_of } from './lamps';
 import { watch_live } from './live_data';
 import { LiveScene, type LiveColour } from './live_scene';
 import { AskWhy, Failure, Figures, Verdict, shoe_words } from './parts';
 import { StartForm } from './start_form';
 import { act, holds_control, may, offered, use_reading, use_store } from './store';
 import { LookAgain } from './teaching';
-
-const lamp_signs: Record<string, string> = { ok: '●', warning: '▲', fault: '✖', off: '○', unknown: '?' };
-const lamp_order = ['laser', 'camera', 'robot', 'poses', 'clock'] as const;
 
 function draw_profile(canvas: HTMLCanvasElement, xz_mm: Float32Array, flags: Uint8Array): void {
   const ratio = window.devicePixelRatio || 1;
@@ -286,6 +284,7 @@ export function Decide({ scan }: { scan: ScanRow }): JSX.Element {
         <AskWhy
           label={t('reject')}
           kind="stop-quiet"
+          often={[t('reject_line'), t('reject_moved'), t('reject_other'), t('reject_dirt')]}
           disabled={!enabled || (state?.held?.scan === scan.id && !offered('reject'))}
           act={(why) => void act(t('done_reject'), () => call('POST', `${at}/reject`, { why }))}
         />
@@ -335,6 +334,7 @@ export function Live(): JSX.Element {
     <>
       <h1>{t('nav_live')}</h1>
       {state.simulated && <p class="notice">{t('simulated')}</p>}
+      <Waiting />
       <section class="card now" aria-live="polite">
         <NowWords state={state} />
         {state.progress !== null && <progress value={state.progress} max={1} aria-label={t('progress')} />}
@@ -355,7 +355,7 @@ export function Live(): JSX.Element {
         </div>
       </section>
       <ul class="lamps" aria-label={t('lamps')}>
-        {[...lamp_order, ...(state.lamps.centre ? (['centre'] as const) : [])].map((name) => {
+        {lamps_of(state.lamps).map((name) => {
           const lamp = state.lamps[name] ?? { level: 'unknown', words: '' };
           return (
             <li key={name} class={`lamp ${lamp.level}`}>
@@ -371,7 +371,6 @@ export function Live(): JSX.Element {
           );
         })}
       </ul>
-      <Waiting />
       <Figures
         rows={[
           [t('cycle_this'), amount(state.cycle?.this_s, 's', 1)],

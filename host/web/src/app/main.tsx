@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The page: who I am, who holds control, Stop always in reach, and the views.
+// The page: Stop always in reach, who I am, and the views of my screen.
 import type { ComponentChildren, JSX } from 'preact';
 import { render } from 'preact';
 import { useEffect, useState } from 'preact/hooks';
@@ -7,46 +7,24 @@ import 'uplot/dist/uPlot.min.css';
 import '../colours.css';
 import '../viewer/viewer.css';
 import './app.css';
-import { language, set_language, stored_language, t, t_or } from '../words';
-import { Refused, call } from './api';
+import type { Me } from 'openapi';
+import { type Word, language, set_language, stored_language, t } from '../words';
+import { Refused } from './api';
 import { Devices } from './devices';
 import { FleetPage, at_centre, fleet_views } from './fleet';
+import { Header } from './header';
 import { Live } from './live';
+import { Login } from './login';
 import { Models } from './models';
-import { LanguageChoice, Login } from './login';
-import { AskWhy } from './parts';
 import { Log, People } from './people';
 import { Processes } from './processes';
 import { OneScan, Scans } from './scans';
+import { type ScreenName, keep_screen, screen_of, screen_with, views } from './screens';
 import { Sensor } from './sensor';
-import {
-  act,
-  change,
-  holds_control,
-  hush,
-  log_in,
-  log_out,
-  may,
-  may_have_session,
-  read_me,
-  tell,
-  use_store,
-  words_of,
-} from './store';
+import { StopBar } from './stop_bar';
+import { change, hush, log_in, may_have_session, read_me, tell, use_store, words_of } from './store';
 import { Teach } from './teach';
-
-const cell_views = [
-  'live',
-  'scans',
-  'teach',
-  'models',
-  'processes',
-  'sensor',
-  'devices',
-  'people',
-  'log',
-] as const;
-const views = at_centre ? fleet_views : cell_views;
+import { Work } from './work';
 
 function use_route(): string[] {
   const read = () => location.hash.replace(/^#\/?/, '').split('/').filter(Boolean);
@@ -57,99 +35,6 @@ function use_route(): string[] {
     return () => window.removeEventListener('hashchange', changed);
   }, []);
   return route;
-}
-
-/// Stop and Laser off need no login on the cell's own machine; from elsewhere the server asks for one.
-function StopBar(): JSX.Element {
-  const send = async (path: string, done: string) => {
-    try {
-      await call('POST', path, {});
-      tell(done);
-    } catch (error) {
-      tell(`${t('stop_failed')} ${words_of(error)}`, true);
-    }
-  };
-  return (
-    <aside class="stop-bar" aria-label={t('stop_bar')}>
-      <button type="button" class="stop" onClick={() => void send('/commands/stop', t('done_stop'))}>
-        {t('stop')}
-      </button>
-      <button
-        type="button"
-        class="stop laser"
-        onClick={() => void send('/commands/laser-off', t('done_laser_off'))}
-      >
-        {t('laser_off')}
-      </button>
-      <p>{t('no_emergency_stop')}</p>
-    </aside>
-  );
-}
-
-function ControlBox(): JSX.Element | null {
-  const { state, me } = use_store();
-  const [to, set_to] = useState('');
-  if (!state || !me) return null;
-  const { holder, door, why } = state.control;
-  const mine = holds_control();
-  const post = (body: Record<string, string>, done: string) =>
-    // Who has control is told by its event: an answer that comes late would put back what was before.
-    act(done, async () => {
-      await call('POST', '/control', body);
-    });
-  return (
-    <div class="control" aria-live="polite">
-      <p>
-        <strong>
-          {mine ? t('control_mine') : holder ? t('control_other', { name: holder }) : t('control_free')}
-        </strong>
-        {door && holder ? ` (${t_or(`door_${door}`, door)})` : ''}
-        {why ? `: ${why}` : ''}
-      </p>
-      {may('operator') && (
-        <div class="tools">
-          {!mine && !holder && (
-            <button type="button" onClick={() => void post({ action: 'take' }, t('done_control'))}>
-              {t('control_take')}
-            </button>
-          )}
-          {!mine && holder && (
-            <AskWhy
-              label={t('control_take')}
-              act={(word) => void post({ action: 'take', why: word }, t('done_control'))}
-            />
-          )}
-          {mine && (
-            <>
-              <button type="button" onClick={() => void post({ action: 'release' }, t('done_release'))}>
-                {t('control_release')}
-              </button>
-              <form
-                class="ask"
-                onSubmit={(event) => {
-                  event.preventDefault();
-                  void post({ action: 'give', to }, t('done_give', { name: to }));
-                  set_to('');
-                }}
-              >
-                <label>
-                  {t('control_give')}{' '}
-                  <input
-                    value={to}
-                    required
-                    maxLength={64}
-                    size={10}
-                    onInput={(e) => set_to(e.currentTarget.value)}
-                  />
-                </label>
-                <button type="submit">{t('give')}</button>
-              </form>
-            </>
-          )}
-        </div>
-      )}
-    </div>
-  );
 }
 
 function Messages(): JSX.Element {
@@ -185,13 +70,58 @@ function LinkWords(): ComponentChildren {
   return null;
 }
 
+/// The screen in use, and how another is chosen: by its first view.  A link to a view of another screen leads there.
+function use_screen(me: Me | null, asked: string | undefined): [ScreenName, (name: ScreenName) => void] {
+  const [, set_turn] = useState(0);
+  const chosen = me ? screen_of(me.name, me.role) : 'operator';
+  const screen = asked ? screen_with(asked, chosen) : chosen;
+  const choose = (name: ScreenName) => {
+    if (me) keep_screen(me.name, name);
+    location.hash = `#/${views[name][0]}`;
+    set_turn((turn) => turn + 1);
+  };
+  return [screen, choose];
+}
+
+function View({ view, about }: { view: string; about: string | undefined }): ComponentChildren {
+  switch (view) {
+    case 'work':
+      return <Work />;
+    case 'live':
+      return <Live />;
+    case 'scans':
+      return about ? <OneScan key={about} id={about} /> : <Scans />;
+    case 'teach':
+      return <Teach />;
+    case 'models':
+      return <Models />;
+    case 'processes':
+      return <Processes />;
+    case 'sensor':
+      return <Sensor />;
+    case 'devices':
+      return <Devices />;
+    case 'people':
+      return <People />;
+    case 'log':
+      return <Log />;
+    default:
+      return null;
+  }
+}
+
 function App(): JSX.Element {
   const { me, known, linked } = use_store();
   const route = use_route();
-  const view = views.find((name) => name === route[0]) ?? views[0]!;
+  const [screen, choose] = use_screen(me, route[0]);
+  const of_screen: readonly string[] = at_centre ? fleet_views : views[screen];
+  const view = of_screen.find((name) => name === route[0]) ?? of_screen[0]!;
+  // The operator's view is one picture: it fills the window, and nothing lies below.
+  const fills = me !== null && view === 'work';
   useEffect(() => {
-    document.title = `${route[1] ?? t(`nav_${view}`)} · Biteline`;
-  }, [view, route[1], language()]);
+    document.title = `${route[1] ?? t(`nav_${view}` as Word)} · Biteline`;
+    document.documentElement.classList.toggle('fills', fills);
+  }, [view, route[1], language(), fills]);
   if (!known)
     return (
       <main id="main">
@@ -201,49 +131,21 @@ function App(): JSX.Element {
     );
   return (
     <>
+      {!at_centre && <StopBar />}
       <button type="button" class="skip" onClick={() => document.getElementById('main')?.focus()}>
         {t('skip')}
       </button>
-      {me && (
-        <header>
-          <nav aria-label={t('nav')}>
-            {views.map((name) => (
-              <a key={name} href={`#/${name}`} aria-current={view === name ? 'page' : undefined}>
-                {t(`nav_${name}`)}
-              </a>
-            ))}
-          </nav>
-          <div class="who">
-            <span>
-              {me.name}, {t(`role_${me.role}`)}
-            </span>
-            <LanguageChoice />
-            <button type="button" onClick={() => void log_out()}>
-              {t('log_out')}
-            </button>
-          </div>
-          <ControlBox />
-        </header>
-      )}
+      {me && <Header me={me} screen={screen} choose={choose} views={of_screen} view={view} />}
       <LinkWords />
       {me ? (
         <main id="main" tabIndex={-1}>
-          {view === 'live' && <Live />}
-          {view === 'scans' && (route[1] ? <OneScan key={route[1]} id={route[1]} /> : <Scans />)}
-          {view === 'teach' && <Teach />}
-          {view === 'models' && <Models />}
-          {view === 'processes' && <Processes />}
-          {view === 'sensor' && <Sensor />}
-          {view === 'devices' && <Devices />}
           {at_centre && <FleetPage view={view} cell={route[1]} />}
-          {view === 'people' && <People />}
-          {view === 'log' && <Log />}
+          <View view={view} about={route[1]} />
         </main>
       ) : (
         <Login />
       )}
       <Messages />
-      {!at_centre && <StopBar />}
     </>
   );
 }
@@ -254,7 +156,7 @@ async function begin(): Promise<void> {
     new URLSearchParams(location.hash.replace(/^#/, '')).get('token') ??
     new URLSearchParams(location.search).get('token');
   if (token) {
-    history.replaceState(null, '', `${location.pathname}#/${views[0]}`);
+    history.replaceState(null, '', location.pathname);
     try {
       await log_in({ token });
       return;

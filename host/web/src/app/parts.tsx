@@ -7,7 +7,7 @@ import type { ScanRow } from 'openapi';
 import { locale, t, t_or, time_zone } from '../words';
 
 /// A shape before the word: a verdict is never told by colour alone.
-const verdict_signs: Record<string, string> = {
+export const verdict_signs: Record<string, string> = {
   ok: '✔',
   amber: '▲',
   review: '?',
@@ -103,20 +103,29 @@ export function Table(props: { label: string; heads: string[]; children: Compone
   );
 }
 
-/// A button that asks for a reason before it acts.
+/// A button that asks for a reason before it acts.  `at_once`: the question stands there already.
 export function AskWhy(props: {
   label: string;
   kind?: string;
   needed?: boolean;
   disabled?: boolean;
+  at_once?: boolean;
+  /// Reasons that one tap says: nobody types in gloves.
+  often?: string[];
   act: (why: string) => void;
+  cancel?: () => void;
 }): JSX.Element {
-  const [open, set_open] = useState(false);
+  const [open, set_open] = useState(props.at_once ?? false);
   const [why, set_why] = useState('');
   const field = useRef<HTMLInputElement>(null);
   useEffect(() => {
     if (open) field.current?.focus();
   }, [open]);
+  const act = (word: string) => {
+    set_open(false);
+    set_why('');
+    props.act(word);
+  };
   if (!open) {
     return (
       <button type="button" class={props.kind} disabled={props.disabled} onClick={() => set_open(true)}>
@@ -129,11 +138,14 @@ export function AskWhy(props: {
       class="ask"
       onSubmit={(event) => {
         event.preventDefault();
-        set_open(false);
-        props.act(why.trim());
-        set_why('');
+        act(why.trim());
       }}
     >
+      {(props.often ?? []).map((word) => (
+        <button type="button" key={word} class={props.kind} onClick={() => act(word)}>
+          {word}
+        </button>
+      ))}
       <label>
         {t('why')}{' '}
         <input
@@ -147,7 +159,13 @@ export function AskWhy(props: {
       <button type="submit" class={props.kind}>
         {props.label}
       </button>
-      <button type="button" onClick={() => set_open(false)}>
+      <button
+        type="button"
+        onClick={() => {
+          set_open(false);
+          props.cancel?.();
+        }}
+      >
         {t('cancel')}
       </button>
     </form>

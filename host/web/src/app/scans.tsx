@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: MIT
 // Every shoe: the table with filters and trends, and one scan with the viewer.
 import type { JSX } from 'preact';
-import { useEffect, useMemo, useRef, useState } from 'preact/hooks';
+import { useMemo, useState } from 'preact/hooks';
 import type { File, Scan, ScanRow, Trends } from 'openapi';
-import { type Hand, parse_view_data, type ResultFile, type ViewData } from '../viewer/view_data';
+import type { Hand, ResultFile } from '../viewer/view_data';
 import { Viewer } from '../viewer/viewer';
 import { amount, csv_style, number, t, t_or } from '../words';
-import { Refused, base, file_address, query } from './api';
+import { base, file_address, query } from './api';
 import { Decide } from './live';
 import { Mend } from './mend';
 import { use_pages } from './pages';
 import { Chart, Failure, Figures, Table, Verdict, shoe_words } from './parts';
 import { WorkAgain } from './rerun';
-import { may, time_words, use_reading, use_store } from './store';
+import { use_view } from './scan_view';
+import { may, time_words, use_reading } from './store';
 
 const verdicts = ['ok', 'amber', 'review', 'refused', 'failed', 'working'];
 
@@ -213,36 +214,6 @@ function TrendView(props: { from?: string; to?: string; model: string }): JSX.El
   );
 }
 
-/// view_data.js of a scan; null while it is read, or a word why there is none.
-function use_view(id: string | null, version: number | undefined): { data: ViewData | null; error: string } {
-  const [got, set] = useState<{ data: ViewData | null; error: string }>({ data: null, error: '' });
-  const { turn } = use_store();
-  const shown = useRef('');
-  useEffect(() => {
-    let alive = true;
-    // After a lost link the same is read anew; what a person does on it meanwhile is not thrown away.
-    const wanted = `${id} ${version}`;
-    if (shown.current !== wanted) set({ data: null, error: '' });
-    shown.current = wanted;
-    if (id === null) return;
-    fetch(file_address(id, 'view_data.js'), { credentials: 'same-origin' })
-      .then(async (answer) => {
-        if (!answer.ok) throw new Refused(answer.status, 'not_found', t('no_view'), []);
-        return parse_view_data(await answer.text());
-      })
-      .then((data) => alive && set({ data, error: '' }))
-      // What is shown stays: a person may be at work on it.
-      .catch(
-        (error: Error) =>
-          alive && set((before) => ({ data: before.data, error: error.message || t('no_view') })),
-      );
-    return () => {
-      alive = false;
-    };
-  }, [id, version, turn]);
-  return got;
-}
-
 export function OneScan({ id }: { id: string }): JSX.Element {
   const { value: scan, error } = use_reading<Scan>(`/scans/${id}`);
   const { value: listed } = use_reading<{ files: File[] }>(`/scans/${id}/files`);
@@ -260,6 +231,7 @@ export function OneScan({ id }: { id: string }): JSX.Element {
             {scan.next_step && <strong>{`${t('next_step')} ${scan.next_step}`}</strong>}
           </p>
           <Decide scan={scan} />
+          {finished && <ScanView scan={scan} files={listed?.files ?? []} />}
           <Figures
             rows={[
               [t('time'), time_words(scan.time)],
@@ -295,7 +267,8 @@ export function OneScan({ id }: { id: string }): JSX.Element {
           <button type="button" onClick={() => window.print()}>
             {t('print')}
           </button>
-          {finished && <ScanView scan={scan} files={listed?.files ?? []} />}
+          {finished && <WorkAgain scan={scan} />}
+          {finished && <Stages scan={scan} files={listed?.files ?? []} />}
         </>
       )}
     </>
@@ -327,11 +300,23 @@ export function ScanView({ scan, files }: { scan: Scan; files: File[] }): JSX.El
     [other, compared.data],
   );
   const [hand, set_hand] = useState<Hand | null>(null);
-  const stages = files.filter((file) => /^stages\/.*\.png$/.test(file.path));
   return (
     <>
       <h2>{t('in_3d')}</h2>
       <Failure text={error} />
+      <Failure text={compared.error} />
+      {data && (
+        <Viewer
+          hand={data.line && may('operator') ? set_hand : undefined}
+          other={beside}
+          key={`${scan.id} ${scan.line_version ?? 0}`}
+          data={data}
+          files={shown}
+          file_base={`${base}/scans/${scan.id}/files/`}
+          told
+        />
+      )}
+      {data?.line && <Mend scan={scan} data={data} hand={hand} />}
       {data?.line && (
         <label>
           {t('compare')}{' '}
@@ -347,31 +332,23 @@ export function ScanView({ scan, files }: { scan: Scan; files: File[] }): JSX.El
           </select>
         </label>
       )}
-      <Failure text={compared.error} />
-      {data && (
-        <Viewer
-          hand={data.line && may('operator') ? set_hand : undefined}
-          other={beside}
-          key={`${scan.id} ${scan.line_version ?? 0}`}
-          data={data}
-          files={shown}
-          file_base={`${base}/scans/${scan.id}/files/`}
-          told
-        />
-      )}
-      {data?.line && <Mend scan={scan} data={data} hand={hand} />}
-      <WorkAgain scan={scan} />
-      {stages.length > 0 && (
-        <details>
-          <summary>{t('stages')}</summary>
-          {stages.map((file) => (
-            <figure key={file.path} class="card">
-              <img src={file_address(scan.id, file.path)} alt={file.path} loading="lazy" />
-              <figcaption>{file.path}</figcaption>
-            </figure>
-          ))}
-        </details>
-      )}
     </>
+  );
+}
+
+/// The pictures of each step, where somebody wants to know how the line was found.
+function Stages({ scan, files }: { scan: Scan; files: File[] }): JSX.Element | null {
+  const stages = files.filter((file) => /^stages\/.*\.png$/.test(file.path));
+  if (stages.length === 0) return null;
+  return (
+    <details>
+      <summary>{t('stages')}</summary>
+      {stages.map((file) => (
+        <figure key={file.path} class="card">
+          <img src={file_address(scan.id, file.path)} alt={file.path} loading="lazy" />
+          <figcaption>{file.path}</figcaption>
+        </figure>
+      ))}
+    </details>
   );
 }

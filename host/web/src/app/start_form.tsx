@@ -6,7 +6,8 @@ import { t } from '../words';
 import { call } from './api';
 import { act, offered } from './store';
 
-export function StartForm({ enabled }: { enabled: boolean }): JSX.Element {
+/// `short`: where there is little room, what nobody says is a dash.
+export function StartForm({ enabled, short }: { enabled: boolean; short?: boolean }): JSX.Element {
   const [shoe, set_shoe] = useState({ part: '', foot: '', size: '' });
   const field = (name: keyof typeof shoe) => ({
     value: shoe[name],
@@ -34,13 +35,14 @@ export function StartForm({ enabled }: { enabled: boolean }): JSX.Element {
       <label>
         {t('foot')}{' '}
         <select {...field('foot')}>
-          <option value="">{t('as_recognised')}</option>
+          <option value="">{short ? '–' : t('as_recognised')}</option>
           <option value="left">{t('left')}</option>
           <option value="right">{t('right')}</option>
         </select>
       </label>
       <label>
-        {t('size')} <input maxLength={20} size={8} placeholder={t('as_recognised')} {...field('size')} />
+        {t('size')}{' '}
+        <input maxLength={20} size={8} placeholder={short ? '–' : t('as_recognised')} {...field('size')} />
       </label>
     </form>
   );

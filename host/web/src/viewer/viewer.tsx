@@ -1,19 +1,12 @@
 // SPDX-License-Identifier: MIT
 // The result viewer: used by the page, and by itself in a result folder without any server.
 import type { ComponentChildren, JSX } from 'preact';
-import { useEffect, useMemo, useRef, useState } from 'preact/hooks';
+import { useEffect, useMemo, useState } from 'preact/hooks';
 import { number, t, t_or } from '../words';
 import { gradient } from './colours';
-import {
-  type Label,
-  type Layer,
-  type LineColour,
-  type Overlay,
-  Scene,
-  type ViewName,
-  line_scale,
-} from './scene';
+import { type Layer, type LineColour, type Scene, type ViewName, line_scale } from './scene';
 import { SectionPlot } from './section_plot';
+import { Stage, index_at, names_of } from './stage';
 import {
   type Hand,
   type ResultFile,
@@ -31,31 +24,6 @@ import {
 const views: ViewName[] = ['fit', 'top', 'left', 'right', 'toe', 'heel'];
 const layers: Layer[] = ['cloud', 'line', 'path', 'weak', 'other', 'names'];
 const section_half_mm = 0.6;
-
-/// Heel, toe and sides at the ends of the shoe's box.
-function names_of(view: View): Label[] {
-  if (!view.data.T_base_shoe) return [];
-  const { low, high } = view;
-  const middle_x = (low[0] + high[0]) / 2;
-  const middle_y = (low[1] + high[1]) / 2;
-  const inner = view.data.inner_side;
-  const side = (which: 'left' | 'right') =>
-    t(which) +
-    (inner === 'left' || inner === 'right' ? `, ${t(inner === which ? 'medial' : 'lateral')}` : '');
-  return [
-    { key: 'heel', text: t('heel'), at: [low[0] - 8, middle_y, low[2]] },
-    { key: 'toe', text: t('toe'), at: [high[0] + 8, middle_y, low[2]] },
-    { key: 'left', text: side('left'), at: [middle_x, high[1] + 8, low[2]] },
-    { key: 'right', text: side('right'), at: [middle_x, low[1] - 8, low[2]] },
-  ];
-}
-
-/// 1, 2 or 5 times a power of ten, about `px` long.
-function bar_mm(px_per_mm: number, px: number): number {
-  const wanted = px / Math.max(1e-9, px_per_mm);
-  const power = 10 ** Math.floor(Math.log10(wanted));
-  return ([5, 2, 1].find((n) => n * power <= wanted) ?? 1) * power;
-}
 
 export function Toggle(props: {
   on: boolean;
@@ -105,10 +73,7 @@ export function Viewer(props: {
   const view = useMemo(() => unpack(props.data), [props.data]);
   const other = useMemo(() => (props.other ? unpack(props.other.data) : null), [props.other]);
   const apart = useMemo(() => (other ? difference(view, other) : null), [view, other]);
-  const box = useRef<HTMLDivElement>(null);
-  const scene = useRef<Scene | null>(null);
-  const [without, set_without] = useState('');
-  const [overlay, set_overlay] = useState<Overlay>({ labels: [], px_per_mm: 1 });
+  const [scene, set_scene] = useState<Scene | null>(null);
   const [hidden, set_hidden] = useState<Layer[]>([]);
   const [by, set_by] = useState<LineColour>('confidence');
   const [cloud_by, set_cloud_by] = useState<'grey' | 'height'>('grey');
@@ -117,37 +82,17 @@ export function Viewer(props: {
   const [moved, set_moved] = useState<SectionPoint>({ out_mm: 0, up_mm: 0 });
   const weak = view.data.report.weak_stretches ?? [];
   const has_line = view.line.length > 2;
-  const names = useMemo(() => names_of(view), [view]);
 
-  useEffect(() => {
-    if (!box.current) return;
-    try {
-      const made = new Scene(box.current, view, names);
-      made.on_overlay = set_overlay;
-      made.on_pick = set_chosen;
-      scene.current = made;
-      if (weak.length > 0) {
-        const middle = weak[0]!.from_mm + weak[0]!.length_mm / 2;
-        set_chosen(index_at(view, middle));
-      }
-    } catch {
-      set_without(t('no_webgl'));
-    }
-    return () => {
-      scene.current?.dispose();
-      scene.current = null;
-    };
-  }, [view, names]);
-  useEffect(() => scene.current?.colour_line(by), [by, view]);
-  useEffect(() => scene.current?.colour_cloud(cloud_by), [cloud_by, view]);
-  useEffect(
-    () => scene.current?.compare(apart && other ? other.line.map((p) => p.shoe) : []),
-    [other, apart, view],
-  );
-  useEffect(
-    () => scene.current?.choose(has_line ? chosen : null, reach_mm),
-    [chosen, reach_mm, view, has_line],
-  );
+  const begun = (made: Scene | null) => {
+    set_scene(made);
+    if (!made) return;
+    made.on_pick = set_chosen;
+    if (weak.length > 0) set_chosen(index_at(view, weak[0]!.from_mm + weak[0]!.length_mm / 2));
+  };
+  useEffect(() => scene?.colour_line(by), [by, scene]);
+  useEffect(() => scene?.colour_cloud(cloud_by), [cloud_by, scene]);
+  useEffect(() => scene?.compare(apart && other ? other.line.map((p) => p.shoe) : []), [other, apart, scene]);
+  useEffect(() => scene?.choose(has_line ? chosen : null, reach_mm), [chosen, reach_mm, scene, has_line]);
   const cut = useMemo(
     () =>
       has_line ? section(view, Math.min(chosen, view.line.length - 1), section_half_mm, reach_mm) : null,
@@ -163,24 +108,8 @@ export function Viewer(props: {
 
   const show = (layer: Layer, on: boolean) => {
     set_hidden(on ? hidden.filter((name) => name !== layer) : [...hidden, layer]);
-    scene.current?.show(layer, on);
+    scene?.show(layer, on);
   };
-  const key = (event: KeyboardEvent) => {
-    const turns: Record<string, () => void> = {
-      ArrowLeft: () => scene.current?.turn(0.1, 0),
-      ArrowRight: () => scene.current?.turn(-0.1, 0),
-      ArrowUp: () => scene.current?.turn(0, -0.1),
-      ArrowDown: () => scene.current?.turn(0, 0.1),
-      '+': () => scene.current?.zoom(1.2),
-      '-': () => scene.current?.zoom(1 / 1.2),
-      Home: () => scene.current?.look('fit'),
-    };
-    const turn = turns[event.key];
-    if (!turn) return;
-    event.preventDefault();
-    turn();
-  };
-  const bar = bar_mm(overlay.px_per_mm, 120);
   const present = layers.filter(
     (layer) =>
       (layer !== 'path' || view.path.length > 1) &&
@@ -188,7 +117,7 @@ export function Viewer(props: {
       (layer !== 'other' || apart !== null) &&
       (layer !== 'cloud' || view.cloud.length > 0) &&
       (layer !== 'line' || has_line) &&
-      (layer !== 'names' || names.length > 0),
+      (layer !== 'names' || names_of(view).length > 0),
   );
   const at = has_line ? view.line[Math.min(chosen, view.line.length - 1)]! : null;
 
@@ -213,14 +142,14 @@ export function Viewer(props: {
       )}
       <div class="tools" role="toolbar" aria-label={t('views')}>
         {views.map((name) => (
-          <button type="button" key={name} onClick={() => scene.current?.look(name)}>
+          <button type="button" key={name} onClick={() => scene?.look(name)}>
             {t(`view_${name}`)}
           </button>
         ))}
-        <button type="button" aria-label={t('zoom_in')} onClick={() => scene.current?.zoom(1.4)}>
+        <button type="button" aria-label={t('zoom_in')} onClick={() => scene?.zoom(1.4)}>
           +
         </button>
-        <button type="button" aria-label={t('zoom_out')} onClick={() => scene.current?.zoom(1 / 1.4)}>
+        <button type="button" aria-label={t('zoom_out')} onClick={() => scene?.zoom(1 / 1.4)}>
           −
         </button>
       </div>
@@ -255,29 +184,7 @@ export function Viewer(props: {
           </label>
         )}
       </div>
-      <div
-        class="stage"
-        ref={box}
-        tabIndex={0}
-        role="application"
-        aria-label={t('stage_words')}
-        onKeyDown={key}
-      >
-        {without && <p class="notice refused">{without}</p>}
-        {!without &&
-          overlay.labels
-            .filter((label) => !label.hidden)
-            .map((label) => (
-              <span key={label.key} class="name" style={{ left: `${label.x}px`, top: `${label.y}px` }}>
-                {label.text}
-              </span>
-            ))}
-        {!without && (
-          <span class="scale-bar" style={{ width: `${(bar * overlay.px_per_mm).toFixed(1)}px` }}>
-            {bar} mm
-          </span>
-        )}
-      </div>
+      <Stage view={view} begun={begun} />
       {has_line && <ColourBar view={view} by={by} />}
       {cloud_by === 'height' && view.cloud.length > 0 && (
         <div class="colour-bar">
@@ -331,7 +238,7 @@ export function Viewer(props: {
                 ))}
               </select>
             </label>{' '}
-            <button type="button" onClick={() => scene.current?.look_at(chosen)}>
+            <button type="button" onClick={() => scene?.look_at(chosen)}>
               {t('look_here')}
             </button>
             <dl class="figures">
@@ -399,7 +306,7 @@ export function Viewer(props: {
                     onClick={() => {
                       const index = index_at(view, stretch.from_mm + stretch.length_mm / 2);
                       set_chosen(index);
-                      scene.current?.look_at(index);
+                      scene?.look_at(index);
                     }}
                   >
                     {t('look_here')}
@@ -433,10 +340,4 @@ export function Viewer(props: {
 
 function bytes(count: number): string {
   return count > 2e6 ? `${number(count / 1e6, 1)} MB` : `${number(count / 1e3, 1)} kB`;
-}
-
-function index_at(view: View, at_mm: number): number {
-  const wanted = ((at_mm % view.length_mm) + view.length_mm) % view.length_mm;
-  const index = view.line.findIndex((p) => p.at_mm >= wanted);
-  return Math.max(0, index);
 }

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+// The cell's lamps in one row; the words of one stand below: of the worst, or of the one that was tapped.
+import type { JSX } from 'preact';
+import { useState } from 'preact/hooks';
+import type { State } from 'openapi';
+import { t, t_or } from '../words';
+
+export const lamp_signs: Record<string, string> = {
+  ok: '●',
+  warning: '▲',
+  fault: '✖',
+  off: '○',
+  unknown: '?',
+};
+const order = ['laser', 'camera', 'robot', 'poses', 'clock'] as const;
+type Lamp = State['lamps'];
+const worst_first = ['fault', 'warning', 'unknown'];
+
+/// The lamps that this cell has, in their order.
+export function lamps_of(lamps: Lamp): (keyof Lamp)[] {
+  return lamps.centre ? [...order, 'centre'] : [...order];
+}
+
+export function Lamps({ lamps }: { lamps: Lamp }): JSX.Element {
+  const [asked, set_asked] = useState<keyof Lamp | null>(null);
+  const names = lamps_of(lamps);
+  const level = (name: keyof Lamp) => lamps[name]?.level ?? 'unknown';
+  const worst = worst_first.flatMap((bad) => names.filter((name) => level(name) === bad))[0] ?? null;
+  const told = asked ?? worst;
+  return (
+    <section class="lamp-row" aria-label={t('lamps')}>
+      <div class="tools">
+        {names.map((name) => (
+          <button
+            type="button"
+            key={name}
+            class={`lamp ${level(name)}`}
+            aria-pressed={told === name}
+            onClick={() => set_asked(name)}
+          >
+            <span aria-hidden="true">{lamp_signs[level(name)] ?? '?'}</span> {t_or(`lamp_${name}`, name)}
+            <span class="unseen">: {t_or(`level_${level(name)}`, level(name))}</span>
+          </button>
+        ))}
+      </div>
+      {told && (
+        <p aria-live="polite">
+          <strong>{t_or(`lamp_${told}`, told)}</strong>: {t_or(`level_${level(told)}`, level(told))},{' '}
+          <span lang="en">{lamps[told]?.words ?? ''}</span>
+        </p>
+      )}
+    </section>
+  );
+}
