@@ -2,12 +2,14 @@
 #pragma once
 /// \file What comes out when a bite line is looked for.
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "common/geometry/se3.hpp"
+#include "host/bite_line/path/seen_gates.hpp"
 #include "host/bite_line/refused.hpp"
 #include "host/bite_line/side/seam_step.hpp"
 #include "host/cloud/closed_line.hpp"
@@ -35,6 +37,8 @@ struct Candidate {
   double crease_deg{0};      ///< median turn of the surface across it, positive when concave
   double seen_share{0};      ///< share of its length where the surface was seen
   std::vector<Vec3> points;  ///< base, mm, in order
+  /// What each point lacks, as bits of Lack; empty: nobody looked (all but the first).
+  std::vector<std::uint8_t> lacks{};
 };
 
 enum class Verdict {
@@ -57,6 +61,7 @@ struct Extraction {
   bool head_in_u95{false};  ///< U95 holds calibration, poses and clock beside noise, gaps and layers
   std::optional<uncertainty::ArmMotion> arm{};  ///< in U95, where the scan has poses
   std::vector<Candidate> candidates{};          ///< found or not, best first
+  std::vector<SeenGate> gates{};                ///< of the first candidate; empty: it did not come so far
   SE3 T_base_shoe{SE3::Identity()};
   std::vector<report::StageTime> stages{};  ///< in order, wall time
 

@@ -60,6 +60,7 @@ Result<LineStep> keep_unfinished(const fs::path& folder, const intake::ScanOutco
   report.refuse(refusal);
   BITELINE_TRY(cloud::write_cloud(folder / "cloud.ply", scan.cloud));
   BITELINE_TRY(report.write(folder));
+  BITELINE_TRY(results::write_refused_view(folder, scan.cloud, report::told(refusal), report));
   say_step("refused: %s", refusal.reason.c_str());
   return LineStep{.status = ExitStatus::Refused, .confidence = 0, .line = {}};
 }

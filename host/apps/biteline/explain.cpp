@@ -73,6 +73,27 @@ std::string text_of(const Json& json, const char* key) {
                                                                        : std::string{};
 }
 
+/// The gates of the line that said no, each with what it measured and its limit; empty: none, or an older
+/// report.
+Json failed_gates(const Json& report) {
+  Json failed = Json::array();
+  const auto gates = report.find("gates");
+  if (gates == report.end() || !gates->is_array()) return failed;
+  for (const Json& gate : *gates) {
+    const auto number = [&](const char* key) {
+      const auto found = gate.is_object() ? gate.find(key) : gate.end();
+      return gate.is_object() && found != gate.end() && found->is_number();
+    };
+    const bool at_most = number("at_most");
+    if (!number("sure") || !number("value") || (!at_most && !number("at_least"))) continue;
+    if (gate["sure"].get<double>() >= 0.5) continue;
+    failed.push_back({{"measure", clean_text(text_of(gate, "measure"), 60)},
+                      {"value", gate["value"]},
+                      {at_most ? "at_most" : "at_least", gate[at_most ? "at_most" : "at_least"]}});
+  }
+  return failed;
+}
+
 /// What stands before the gate: the line, and the path along it.
 struct Step {
   const char* name;
@@ -99,6 +120,7 @@ Result<ExitStatus> explain_report(const fs::path& scan, const GlobalOptions& opt
     told["failures"] = std::string{step.name} + ": " + clean_text(text_of(report, "reason"), 1000);
     told["reason_code"] = clean_text(text_of(report, "reason_code"), 100);
     told["next_step"] = clean_text(text_of(report, "next_step"), 500);
+    if (Json failed = failed_gates(report); !failed.empty()) told["gates"] = std::move(failed);
     break;
   }
   if (told["failures"] == "")
@@ -107,6 +129,11 @@ Result<ExitStatus> explain_report(const fs::path& scan, const GlobalOptions& opt
     std::printf("%s\n", told.dump(-1, ' ', false, Json::error_handler_t::replace).c_str());
   } else {
     std::printf("%s\n", text_of(told, "failures").c_str());
+    for (const Json& gate : told.value("gates", Json::array())) {
+      const bool at_most = gate.contains("at_most");
+      std::printf("  %-20s %.2f (%s %.2f)\n", text_of(gate, "measure").c_str(), gate["value"].get<double>(),
+                  at_most ? "at most" : "at least", gate[at_most ? "at_most" : "at_least"].get<double>());
+    }
     if (const std::string next = text_of(told, "next_step"); !next.empty())
       std::printf("next: %s (%s)\n", next.c_str(), text_of(told, "reason_code").c_str());
     std::printf("the gate before the arm was not asked: nothing was sent\n");

@@ -173,8 +173,26 @@ class CurvePlacer {
         result.decision.for_review = false;
       }
     }
-    for (JudgedPath& path_of : result.decision.paths) path_of.row = levelled->back(level.field, path_of.row);
+    for (JudgedPath& path_of : result.decision.paths) {
+      path_of.row = levelled->back(level.field, path_of.row);
+      path_of.lacks = lacks_back(*levelled, grid, path_of, guide.front().x());
+    }
     return result;
+  }
+
+  /// What a path of the levelled side lacks, per column of the side: that of the column beside each place.
+  [[nodiscard]] std::vector<std::uint8_t> lacks_back(const Levelled& levelled, const SideGrid& level,
+                                                     const JudgedPath& path, double begin_mm) const {
+    if (path.lacks.empty()) return {};
+    const SideGrid& grid = side_.field.grid;
+    std::vector<std::uint8_t> lacks;
+    for (std::size_t c = 0; c < path.row.size(); ++c) {
+      double s_mm = (static_cast<double>(c) + 0.5) * grid.col_mm;
+      if (s_mm < begin_mm) s_mm += side_.outline.length_mm();
+      const double col = levelled.u_mm({s_mm, grid.z_mm(path.row[c])}) / level.col_mm;
+      lacks.push_back(path.lacks[std::min(static_cast<std::size_t>(col), path.lacks.size() - 1)]);
+    }
+    return lacks;
   }
 
   const ScanPoints& scan_;

@@ -167,6 +167,8 @@ Crease describe(const SideField& field, std::span<const int> path, const CreaseC
   const auto cols = static_cast<std::size_t>(grid.cols);
   crease.turn_rad.assign(cols, std::numeric_limits<float>::quiet_NaN());
   crease.visible.assign(cols, 0);
+  crease.upper.assign(cols, 0);
+  crease.sole.assign(cols, 0);
   crease.row = smooth_rows(grid, path);
 
   std::vector<double> turns;
@@ -181,8 +183,8 @@ Crease describe(const SideField& field, std::span<const int> path, const CreaseC
     crease.mean_height_mm += grid.z_mm(row) / grid.cols;
     if (field.seen[cell] == 0) continue;
     ++seen;
-    if (wall_above(field, row, c, config.upper_mm)) crease.upper_share += 1;
-    if (sole_below(field, row, c, config)) crease.sole_share += 1;
+    crease.upper[col] = wall_above(field, row, c, config.upper_mm) ? 1 : 0;
+    crease.sole[col] = sole_below(field, row, c, config) ? 1 : 0;
     const double turn = static_cast<double>(turn_at(field, cell));
     crease.turn_rad[col] = static_cast<float>(turn);
     turns.push_back(turn);
@@ -196,8 +198,12 @@ Crease describe(const SideField& field, std::span<const int> path, const CreaseC
     if (step_at(field, row, c, step)) steps.push_back(step);
   }
   const auto visible = static_cast<double>(std::count(crease.visible.begin(), crease.visible.end(), 1));
-  crease.upper_share /= std::max<double>(static_cast<double>(seen), 1.0);
-  crease.sole_share /= std::max<double>(static_cast<double>(seen), 1.0);
+  const auto share_of = [seen](const std::vector<std::uint8_t>& marks) {
+    return static_cast<double>(std::ranges::count(marks, 1)) /
+           std::max<double>(static_cast<double>(seen), 1.0);
+  };
+  crease.upper_share = share_of(crease.upper);
+  crease.sole_share = share_of(crease.sole);
   crease.seen_share = static_cast<double>(seen) / grid.cols;
   crease.visible_share = visible / grid.cols;
   crease.median_turn_rad = median(std::move(turns));

@@ -16,6 +16,8 @@ struct Crease {
   std::vector<float>
       turn_rad;  ///< per column: turn of the surface across the path, concave > 0; NaN: not seen
   std::vector<std::uint8_t> visible;  ///< per column: a crease stands out of its surroundings here
+  std::vector<std::uint8_t> upper;    ///< per column: seen, and a wall goes on above
+  std::vector<std::uint8_t> sole;     ///< per column: seen, and there is something of a sole below
   double seen_share{0};               ///< of the columns: surface was seen at the path
   double visible_share{0};            ///< of the columns: visible
   double longest_gap_mm{0};           ///< longest stretch without a visible crease

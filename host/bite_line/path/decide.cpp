@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <numbers>
 #include <span>
 
+#include "common/core/contracts.hpp"
 #include "common/core/fixed_text.hpp"
 #include "host/geometry/logistic.hpp"
 
@@ -107,7 +109,28 @@ JudgedPath judged(const Crease& crease, bool passes, double confidence) {
           .row = crease.row,
           .mean_height_mm = crease.mean_height_mm,
           .turn_rad = crease.median_turn_rad,
-          .seen_share = crease.seen_share};
+          .seen_share = crease.seen_share,
+          .lacks = {}};
+}
+
+/// Per column; `hold` as in Layers, empty where it is another path than the best.
+std::vector<std::uint8_t> lacks_of(const Crease& crease, const std::vector<float>& hold) {
+  // A crease that nobody described column by column.
+  if (crease.turn_rad.size() != crease.row.size() || crease.upper.size() != crease.row.size()) return {};
+  std::vector<std::uint8_t> lacks(crease.row.size(), 0);
+  const auto mark = [&](std::size_t c, bool is_there, Lack lack) {
+    if (!is_there) lacks[c] |= static_cast<std::uint8_t>(lack);
+  };
+  for (std::size_t c = 0; c < lacks.size(); ++c) {
+    const bool seen = !std::isnan(crease.turn_rad[c]);
+    mark(c, seen, Lack::Surface);
+    mark(c, crease.visible[c] != 0, Lack::Crease);
+    // What was not seen is not said to have none.
+    mark(c, !seen || crease.upper[c] != 0, Lack::Upper);
+    mark(c, !seen || crease.sole[c] != 0, Lack::Sole);
+    mark(c, c >= hold.size() || hold[c] >= 0.5F, Lack::Layer);
+  }
+  return lacks;
 }
 
 double percent(double share) {
@@ -184,6 +207,46 @@ Refusal not_sure(double confidence, double least, const Gate& worst) {
                         .c_str()};
 }
 
+/// What each gate of decide()'s table measures, in the table's order.  A limit from above is kept below zero
+/// there.
+struct Measure {
+  const char* name;
+  bool at_most{false};
+};
+constexpr std::array k_measures{
+    Measure{"off_shoes", true},
+    Measure{"evidence"},
+    Measure{"longest_unseen_mm", true},
+    Measure{"seen_share"},
+    Measure{"visible_share"},
+    Measure{"longest_gap_mm", true},
+    Measure{"turn_deg"},
+    Measure{"upper_share"},
+    Measure{"sole_share"},
+    Measure{"step_out_mm"},
+    Measure{"between_two_deg"},
+    Measure{"moved_mm", true},
+    Measure{"cut_into_sole", true},
+    Measure{"rivalled_share", true},
+};
+
+std::vector<SeenGate> told(std::span<const Gate> gates) {
+  BITELINE_EXPECTS(gates.size() == k_measures.size());
+  std::vector<SeenGate> seen;
+  for (std::size_t i = 0; i < gates.size(); ++i) {
+    const Gate& gate = gates[i];
+    const double sign = k_measures[i].at_most ? -1 : 1;
+    seen.push_back({.code = gate.code,
+                    .measure = k_measures[i].name,
+                    .value = sign * gate.value + 0.0,  // no -0
+                    .limit = sign * gate.limit + 0.0,
+                    .at_most = k_measures[i].at_most,
+                    .sure = gate.sure(),
+                    .soft = gate.soft});
+  }
+  return seen;
+}
+
 bool all_pass(std::span<const Gate> gates) {
   return std::ranges::all_of(gates, [](const Gate& gate) { return gate.sure() >= 0.5; });
 }
@@ -244,7 +307,9 @@ Decision decide(const Layers& layers, const PlanShape& plan, const std::optional
     decision.for_review = true;
     decision.confidence = std::min(decision.confidence, most);
   }
+  decision.gates = told(gates);
   decision.paths.push_back(judged(line, all_pass(own), decision.confidence));
+  decision.paths.back().lacks = lacks_of(line, layers.hold);
   for (const Rival& rival : layers.rivals)
     decision.paths.push_back(judged(rival.crease, all_pass(own_gates(rival.crease, plan)),
                                     std::min(1 - decision.of_line, 0.99 * min_confidence)));

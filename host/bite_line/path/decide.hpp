@@ -3,10 +3,12 @@
 /// \file Whether the best course is the bite line, how sure that is, and why it is none.
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <vector>
 
 #include "host/bite_line/path/layers.hpp"
+#include "host/bite_line/path/seen_gates.hpp"
 #include "host/bite_line/refused.hpp"
 #include "host/bite_line/shoe/plan_shape.hpp"
 #include "host/bite_line/side/seam_step.hpp"
@@ -19,8 +21,9 @@ struct JudgedPath {
   double confidence{0};     ///< 0 to 1
   std::vector<double> row;  ///< per column, in rows of the side's grid
   double mean_height_mm{0};
-  double turn_rad{0};    ///< median turn of the surface across it
-  double seen_share{0};  ///< of its columns
+  double turn_rad{0};               ///< median turn of the surface across it
+  double seen_share{0};             ///< of its columns
+  std::vector<std::uint8_t> lacks;  ///< per column: bits of Lack; empty where nobody looked
 };
 
 struct Decision {
@@ -28,8 +31,9 @@ struct Decision {
   /// With a refusal: every gate that looks at the best path alone says yes.  So there is a line to show, and
   /// what speaks against it is what else it could be.
   bool for_review{false};
-  double confidence{0};  ///< that the best path is the line, times the share of its length that holds
-  double of_line{0};     ///< that it is the line wherever it keeps its layer
+  double confidence{0};         ///< that the best path is the line, times the share of its length that holds
+  double of_line{0};            ///< that it is the line wherever it keeps its layer
+  std::vector<SeenGate> gates;  ///< of the best path, in the table's order
   std::vector<JudgedPath> paths;  ///< the best, then what else the line could be, the nearest first
 };
 

@@ -68,7 +68,8 @@ Candidate candidate_of(const JudgedPath& path, const Side& side) {
                       .closure_mm = 0,
                       .crease_deg = path.turn_rad * 180.0 / std::numbers::pi,
                       .seen_share = path.seen_share,
-                      .points = {}};
+                      .points = {},
+                      .lacks = path.lacks};
   for (int c = 0; c < grid.cols; ++c) {
     const double path_row = path.row[static_cast<std::size_t>(c)];
     const int row = std::clamp(static_cast<int>(std::lround(path_row)), 0, grid.rows - 1);
@@ -165,6 +166,7 @@ void turn_normals_across(cloud::ClosedLine& line) {
 Extraction finish(const Side& side, const Decision& decision, const PlacedLine& placed, const Config& config,
                   const uncertainty::WholeScan& whole) {
   Extraction out{.confidence = decision.confidence, .T_base_shoe = side.shoe.T_base_shoe};
+  out.gates = decision.gates;
   out.candidates.resize(decision.paths.size());
   tbb::parallel_for(std::size_t{0}, decision.paths.size(),
                     [&](std::size_t i) { out.candidates[i] = candidate_of(decision.paths[i], side); });

@@ -31,6 +31,24 @@ nlohmann::ordered_json candidates_of(const bite_line::Extraction& extraction) {
   return list;
 }
 
+/// What each gate measured, beside its limit.
+nlohmann::ordered_json gates_of(const bite_line::Extraction& extraction) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const bite_line::SeenGate& gate : extraction.gates) {
+    list.push_back({{"reason_code", report::refusal_row(gate.code).name},
+                    {"measure", gate.measure},
+                    {"value", gate.value},
+                    {gate.at_most ? "at_most" : "at_least", gate.limit},
+                    {"sure", gate.sure}});
+  }
+  return list;
+}
+
+/// The bit of `lacks` that the refusal speaks of; 0: of no single place.
+int lack_told(const bite_line::Extraction& extraction) {
+  return extraction.refusal ? bite_line::lack_of(extraction.refusal->code) : 0;
+}
+
 /// index.html: the verdict, the viewer, what to look at, the figures, the time of each stage, the pictures.
 Result<void> write_page(const std::filesystem::path& folder, const bite_line::Extraction& extraction,
                         const std::vector<WeakStretch>& weak, const report::Report& report) {
@@ -107,6 +125,7 @@ Result<ExitStatus> write_line_files(const std::filesystem::path& folder, const c
     report.fields["confidence"] = extraction.confidence;
   }
   report.fields["candidates"] = candidates_of(extraction);
+  if (!extraction.gates.empty()) report.fields["gates"] = gates_of(extraction);
   const std::vector<WeakStretch> weak = weak_stretches(extraction.line, extraction.T_base_shoe);
   if (verdict != Refused) {
     report.fields["weak_stretches"] = verdict == Review
@@ -153,8 +172,13 @@ Result<void> write_line_pages(const std::filesystem::path& folder, const cloud::
                   .report = report.fields,
                   .cloud = &cloud,
                   .line = &extraction.line,
+                  .candidates = {},
                   .T_base_shoe = extraction.T_base_shoe,
                   .path_mm = {}};
+    if (!view.found) {
+      view.candidates = extraction.candidates;
+      view.report["lack"] = lack_told(extraction);
+    }
     if (const auto told = extraction.told()) add_refusal(view.report, *told);
     BITELINE_TRY(write_view(folder, view));
     return write_page(folder, extraction, weak, report);

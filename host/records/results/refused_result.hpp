@@ -15,4 +15,10 @@ namespace biteline::results {
                                                 const cloud::PointCloud& cloud,
                                                 const report::ToldRefusal& refusal, report::Report& report);
 
+/// view_data.js of whatever was scanned: of no line, and perhaps of no point.
+[[nodiscard]] Result<void> write_refused_view(const std::filesystem::path& folder,
+                                              const cloud::PointCloud& cloud,
+                                              const report::ToldRefusal& refusal,
+                                              const report::Report& report);
+
 }  // namespace biteline::results

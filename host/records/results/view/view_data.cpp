@@ -103,6 +103,24 @@ ordered_json as_json(const cloud::ClosedLine& line) {
   return out;
 }
 
+/// At most so many places of each: a candidate is a course, and no line to work.
+constexpr std::size_t k_most_candidate_points = 600;
+
+ordered_json as_json(std::span<const bite_line::Candidate> candidates) {
+  ordered_json list = ordered_json::array();
+  for (const bite_line::Candidate& candidate : candidates) {
+    const std::size_t every = 1 + candidate.points.size() / k_most_candidate_points;
+    ordered_json one{{"points", ordered_json::array()}};
+    if (!candidate.lacks.empty()) one["lacks"] = ordered_json::array();
+    for (std::size_t i = 0; i < candidate.points.size(); i += every) {
+      one["points"].push_back(xyz(candidate.points[i], 100));
+      if (!candidate.lacks.empty()) one["lacks"].push_back(candidate.lacks[i]);
+    }
+    list.push_back(std::move(one));
+  }
+  return list;
+}
+
 const char* side_name(InnerSide side) {
   return side == InnerSide::Left ? "left" : side == InnerSide::Right ? "right" : "unknown";
 }
@@ -157,6 +175,7 @@ Result<void> write_view(const fs::path& folder, const ViewData& data) {
     view["line"] = as_json(*data.line);
     if (data.T_base_shoe) view["inner_side"] = side_name(inner_side(*data.line, *data.T_base_shoe));
   }
+  if (!data.candidates.empty()) view["candidates"] = as_json(data.candidates);
   if (!data.path_mm.empty()) {
     view["path_mm"] = ordered_json::array();
     for (const Vec3& p : data.path_mm) view["path_mm"].push_back(xyz(p, 100));

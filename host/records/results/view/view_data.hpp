@@ -7,11 +7,13 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "common/core/result.hpp"
 #include "common/geometry/se3.hpp"
+#include "host/bite_line/extraction.hpp"
 #include "host/cloud/closed_line.hpp"
 #include "host/cloud/point_cloud.hpp"
 #include "host/records/report/page.hpp"
@@ -28,8 +30,10 @@ struct ViewData {
   nlohmann::ordered_json report;  ///< report.json's fields: figures, refusal, candidates, weak stretches
   const cloud::PointCloud* cloud{nullptr};
   const cloud::ClosedLine* line{nullptr};  ///< base, mm; none when refused
-  std::optional<SE3> T_base_shoe;          ///< x heel to toe, y left, z up
-  std::vector<Vec3> path_mm;  ///< the tool tip's way, in the frame of line and cloud, when planned
+  /// Of a refused scan: what could have been the line, with what its places lack.
+  std::span<const bite_line::Candidate> candidates{};
+  std::optional<SE3> T_base_shoe;  ///< x heel to toe, y left, z up
+  std::vector<Vec3> path_mm;       ///< the tool tip's way, in the frame of line and cloud, when planned
 };
 
 /// view_data.js (`window.biteline_view = {...}`), and viewer.js where the page was built; beside and renamed.

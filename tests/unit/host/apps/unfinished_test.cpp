@@ -31,6 +31,8 @@ TEST_GROUP(Unfinished) {
     nlohmann::json report = test::read_json_file(folder.path() / "report.json");
     STRCMP_EQUAL(code, report["reason_code"].get<std::string>().c_str());
     CHECK(report["reason"].get<std::string>().find("shoe") == std::string::npos);
+    // Whatever was scanned can be looked at.
+    CHECK(std::filesystem::exists(folder.path() / "view_data.js"));
     return report;
   }
 };

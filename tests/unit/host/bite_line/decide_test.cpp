@@ -114,6 +114,26 @@ TEST(Decide, AShortRivalLowersTheConfidenceByItsShare) {
   DOUBLES_EQUAL(0.955 * sut.of_line, sut.confidence, 1e-6);
 }
 
+TEST(Decide, EachGateIsToldWithItsLimitAndTheOneThatSaysNoLiesBeyondIt) {
+  Crease open = crease(26, 50, 3.0);
+  open.upper_share = 0.6;
+  const Decision sut = decided(layers(open));
+  refuses(Refused::NoUpper, sut);
+  for (const SeenGate& gate : sut.gates) {
+    const bool beyond = gate.at_most ? gate.value > gate.limit : gate.value < gate.limit;
+    CHECK_TEXT(beyond == (gate.sure < 0.5), gate.measure);
+    CHECK_TEXT((gate.code == Refused::NoUpper) == beyond, gate.measure);
+  }
+  const auto upper = std::ranges::find(sut.gates, Refused::NoUpper, &SeenGate::code);
+  STRCMP_EQUAL("upper_share", upper->measure);
+  DOUBLES_EQUAL(0.6, upper->value, 1e-9);
+  DOUBLES_EQUAL(0.8, upper->limit, 1e-9);
+}
+
+TEST(Decide, WhatNobodyLookedAtColumnByColumnLacksNothing) {
+  CHECK(decided(layers(crease(26, 50, 3.0))).paths.front().lacks.empty());
+}
+
 TEST(Decide, ASeamAllTheWayRoundOneSurfaceIsNoBiteLine) {
   // 12 degrees deep and above all else, but the wall goes on below it as above.
   Crease seam = crease(38, 12, 0.4);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <optional>
 #include <random>
+#include <string>
 
 #include "host/bite_line/find_bite_line.hpp"
 #include "host/bite_line/line_stages.hpp"
@@ -189,6 +190,34 @@ TEST(FindBiteLine, AMissingSectorIsBridgedAndMarked) {
   CHECK_COMPARE(least_seen, >, 0.9);
   for (const auto& p : sut.line.points) {
     if (away_mm(p) < 6) CHECK_COMPARE(p.confidence, <, least_seen);  // straight there: a good guess
+  }
+}
+
+TEST(FindBiteLine, ARefusalSaysWhichGateFailedByHowMuchAndWhere) {
+  Made made = test::made_cloud(sim::ShoeClass::Deep, 45, somewhere());
+  const Vec3 centre = made.truth[made.truth.size() / 4];
+  constexpr double k_hole_mm = 45;
+  const auto away_mm = [&](const Vec3& p) { return (p - centre).head<2>().norm(); };
+  std::erase_if(made.cloud.points,
+                [&](const Eigen::Vector3f& p) { return away_mm(p.cast<double>()) < k_hole_mm; });
+  const Extraction sut = find_bite_line(made.cloud, {});
+  CHECK(sut.verdict() == Verdict::Refused);
+  CHECK_TEXT(sut.refusal->code == Refused::TooMuchMissing, sut.reason().c_str());
+  const auto gate = std::ranges::find(sut.gates, std::string{"longest_unseen_mm"},
+                                      [](const SeenGate& one) { return std::string{one.measure}; });
+  CHECK(gate != sut.gates.end());
+  CHECK(gate->at_most);
+  CHECK_COMPARE(gate->value, >, gate->limit);
+  CHECK_COMPARE(gate->sure, <, 0.5);
+  // The hole is 90 mm wide, and is taken for what it is.
+  DOUBLES_EQUAL(2 * k_hole_mm, gate->value, 12.0);
+  const Candidate& best = sut.candidates.front();
+  LONGS_EQUAL(best.points.size(), best.lacks.size());
+  const std::uint8_t surface = lack_of(Refused::TooMuchMissing);
+  for (std::size_t i = 0; i < best.points.size(); ++i) {
+    // What is put in the place of the hole lies near where the shoe was: by its edge it may be either.
+    if (away_mm(best.points[i]) > k_hole_mm + 10) CHECK((best.lacks[i] & surface) == 0);
+    if (away_mm(best.points[i]) < k_hole_mm - 15) CHECK((best.lacks[i] & surface) != 0);
   }
 }
 

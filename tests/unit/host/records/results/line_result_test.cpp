@@ -3,6 +3,8 @@
 
 #include <CppUTest/TestHarness.h>
 
+#include <algorithm>
+#include <fstream>
 #include <numbers>
 #include <sstream>
 
@@ -128,6 +130,44 @@ TEST(LineResult, RefusalRemovesTheLineOfAnEarlierRun) {
   CHECK(has("stages/1_point_cloud.png"));
   STRCMP_EQUAL("no crease all the way round", report_json()["reason"].get<std::string>().c_str());
   STRCMP_EQUAL("no_crease_all_round", report_json()["reason_code"].get<std::string>().c_str());
+}
+
+TEST(LineResult, ARefusedScanShowsItsCandidatesAndThePlaceThatFailed) {
+  Drum d = drum(false);
+  bite_line::Candidate& best = d.extraction.candidates.front();
+  for (int i = 0; i < 1500; ++i) {
+    const double a = 2 * std::numbers::pi * i / 1500;
+    best.points.push_back(d.extraction.T_base_shoe * Vec3(60 * std::cos(a), 60 * std::sin(a), 10));
+    best.lacks.push_back(i < 300 ? static_cast<std::uint8_t>(bite_line::Lack::Crease) : 0);
+  }
+  d.extraction.gates.push_back({.code = bite_line::Refused::NoCreaseAllRound,
+                                .measure = "longest_gap_mm",
+                                .value = 120,
+                                .limit = 100,
+                                .at_most = true,
+                                .sure = 0.08});
+  CHECK(write(d) == ExitStatus::Refused);
+  const nlohmann::json gate = report_json()["gates"][0];
+  STRCMP_EQUAL("no_crease_all_round", gate["reason_code"].get<std::string>().c_str());
+  DOUBLES_EQUAL(120, gate["value"].get<double>(), 1e-9);
+  DOUBLES_EQUAL(100, gate["at_most"].get<double>(), 1e-9);
+
+  std::ifstream file(folder.path() / "view_data.js");
+  std::stringstream text;
+  text << file.rdbuf();
+  const std::string script = text.str();
+  const nlohmann::json view =
+      nlohmann::json::parse(script.substr(script.find('{'), script.rfind('}') + 1 - script.find('{')));
+  CHECK_FALSE(view["found"].get<bool>());
+  LONGS_EQUAL(static_cast<int>(bite_line::Lack::Crease), view["report"]["lack"].get<int>());
+  const nlohmann::json& shown = view["candidates"][0];
+  // Every third of 1500; the first 300 of them lack the crease.
+  LONGS_EQUAL(500, shown["points"].size());
+  LONGS_EQUAL(500, shown["lacks"].size());
+  const auto lacks = shown["lacks"].get<std::vector<int>>();
+  LONGS_EQUAL(100, std::ranges::count(lacks, static_cast<int>(bite_line::Lack::Crease)));
+  const Vec3 first = best.points.front();
+  DOUBLES_EQUAL(first.x(), shown["points"][0][0].get<double>(), 0.006);
 }
 
 TEST(LineResult, ALineForReviewIsWrittenWithItsOpenStretchesAndTheWaysThere) {
