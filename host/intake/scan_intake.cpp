@@ -11,8 +11,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* k_journal_name = "scan.btln";
-
 Error error_of(const wire::EndOfScan& end) {
   const auto rows = error_table();
   const bool known = std::any_of(rows.begin(), rows.end(), [&](const ErrorRow& row) {
@@ -32,7 +30,7 @@ void keep_pose(const profile::ProfileHeader& header, std::vector<TakenFrom>& pos
 
 Result<ScanIntake> ScanIntake::begin(const fs::path& folder, const Hello& hello,
                                      std::span<const std::uint8_t> hello_packet) {
-  BITELINE_ASSIGN(ScanJournal journal, ScanJournal::create(folder / k_journal_name));
+  BITELINE_ASSIGN(ScanJournal journal, ScanJournal::create(folder / k_messages_name));
   BITELINE_TRY(journal.append(hello_packet));
   return ScanIntake{std::move(journal), hello.sensor, {.scan_id = hello.scan_id, .next_sequence = 0}};
 }
@@ -69,7 +67,7 @@ Result<ScanIntake> ScanIntake::recover(const fs::path& folder) {
     }
   };
   BITELINE_ASSIGN(ScanJournal::Recovered recovered,
-                  ScanJournal::recover(folder / k_journal_name, on_message));
+                  ScanJournal::recover(folder / k_messages_name, on_message));
   ScanIntake intake{std::move(recovered.journal), std::move(*kept.sensor), recovered.position};
   intake.builder_ = std::move(*kept.builder);
   intake.poses_ = std::move(kept.poses);
@@ -81,7 +79,7 @@ Result<ScanIntake> ScanIntake::recover(const fs::path& folder) {
 
 bool ScanIntake::is_in(const fs::path& folder) {
   std::error_code error;
-  return fs::exists(folder / k_journal_name, error);
+  return fs::exists(folder / k_messages_name, error);
 }
 
 Result<void> ScanIntake::take(const LinkEvent& event, std::span<const std::uint8_t> packet) {

@@ -39,6 +39,9 @@ struct ScanOutcome {
   std::string stopped_by{};      ///< who ended it on its way; empty: nobody
 };
 
+/// A scan's messages, in the scan's folder.
+inline constexpr const char* k_messages_name = "scan.btln";
+
 /// Lives in a folder, in a file of its own (scan.btln), from the sensor's hello to the scan's end.  Not
 /// thread-safe.
 class ScanIntake {

@@ -172,7 +172,9 @@ TEST(SensorAndHosts, ServiceKilledInTheMiddleOfAScanGoesOnWhereItStood) {
   LONGS_EQUAL(made.frames, told["scan"].value("profiles", 0));
   LONGS_EQUAL(0, told["scan"].value("profiles_lost", -1));
   LONGS_EQUAL(0, told.value("messages_lost", -1));
-  CHECK(!fs::exists(results() / "scan-0001" / "scan.btln"));
+  // Its messages stay, so that somebody can look at why; and so does a picture of what was scanned.
+  CHECK(fs::exists(results() / "scan-0001" / "scan.btln"));
+  CHECK(fs::exists(results() / "scan-0001" / "view_data.js"));
   CHECK(!fs::exists(results() / "scan-0001" / "line.csv"));
 }
 

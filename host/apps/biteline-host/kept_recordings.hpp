@@ -17,6 +17,9 @@ class KeptRecordings {
   /// A scan has ended; asked once for each.  `refused`: line or path was, or a person rejected it.
   [[nodiscard]] bool keeps(bool refused);
 
+  /// What is kept is what was refused: no more of it than --keep-refused-gb.
+  [[nodiscard]] bool is_bounded() const { return which_ == Which::Refused; }
+
  private:
   enum class Which { None, All, Refused, EachNth };
   Which which_{Which::None};

@@ -160,7 +160,7 @@ ParsedOptions parse_options(int argc, char** argv) {
   app.add_flag("--calibration-anew", options.calibration_anew,
                "Forget what the scans so far said about the calibration, and learn anew what is usual");
   app.add_flag("--once", options.once, "One scan, then leave");
-  std::string kept{"none"};
+  std::string kept{"refused"};
   auto* keep =
       app.add_option(
              "--keep-recordings", kept,
@@ -168,6 +168,11 @@ ParsedOptions parse_options(int argc, char** argv) {
              "none, or a "
              "number N for each Nth scan")
           ->capture_default_str();
+  app.add_option("--keep-refused-gb", options.keep_refused_gb,
+                 "With --keep-recordings refused: the oldest messages go beyond so many gigabytes, but those "
+                 "of marked scans; the results stay")
+      ->check(options::number({.minimum = 0.01, .maximum = 1e6}, "GB"))
+      ->capture_default_str();
   app.add_flag_callback(
          "--keep-recording", [&kept] { kept = "all"; }, "The same as --keep-recordings all")
       ->excludes(keep);

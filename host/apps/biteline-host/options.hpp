@@ -7,6 +7,7 @@
 #include <string>
 
 #include "common/wire/endpoint.hpp"
+#include "host/apps/biteline-host/black_box.hpp"
 #include "host/apps/biteline-host/kept_recordings.hpp"
 #include "host/cloud/uncertainty/head_uncertainty.hpp"
 #include "host/records/memory/factory_day.hpp"
@@ -72,6 +73,7 @@ struct Options {
   bool calibration_anew{false};       ///< what was learnt of it is forgotten at the start
   bool once{false};
   KeptRecordings kept;
+  double keep_refused_gb{k_default_refused_gb};  ///< of messages of refused scans alone
   bool exit_with_parent{false};
 };
 

@@ -360,6 +360,8 @@ class Service {
   [[nodiscard]] robot::ScanFacts facts_of(const Scan& scan, const intake::ScanOutcome& outcome) const;
   /// Removes the folders that retention lets go.
   [[nodiscard]] Result<void> make_room() const;
+  /// The messages of refused scans: no more than --keep-refused-gb.
+  void bound_black_box() const;
   /// It has said hello on this link.
   [[nodiscard]] bool sensor_hears() const;
   /// Counts every connection to the sensor, also those that came back by themselves.

@@ -2,6 +2,7 @@
 // What stays of a scan: its row in the memory, and its folder as long as retention keeps it.
 #include <string>
 
+#include "host/apps/biteline-host/black_box.hpp"
 #include "host/apps/biteline-host/part.hpp"
 #include "host/apps/biteline-host/refused.hpp"
 #include "host/apps/biteline-host/scan_row.hpp"
@@ -141,7 +142,22 @@ Service::Remembered Service::remember(const fs::path& folder, const std::string&
               .told = {.reason_code = row->reason_code, .reason = row->reason, .next_step = row->next_step}}};
 }
 
+void Service::bound_black_box() const {
+  if (!options_.kept.is_bounded()) return;
+  const auto may_go = [&](const std::string& name) {
+    const Result<std::optional<memory::Scan>> row = cockpit_->memory().scan(name);
+    return row && *row && !(*row)->marked && (*row)->decision != "held" && (*row)->verdict != "working";
+  };
+  const auto most_bytes = static_cast<std::uint64_t>(options_.keep_refused_gb * 1e9);
+  for (const fs::path& file : messages_to_go(options_.out, most_bytes, may_go)) {
+    std::error_code error;
+    fs::remove(file, error);
+    if (error) complain(fail_errno(Errc::WriteFailed, error.value(), "%.200s", file.c_str()).value());
+  }
+}
+
 Result<void> Service::make_room() const {
+  bound_black_box();
   if (!options_.keep_days && !options_.keep_gb) return {};
   memory::Retention retention;
   if (options_.keep_days) {
