@@ -139,8 +139,8 @@ Result<ExitStatus> say_refused(const fs::path& folder, const robot::GateInputs& 
   // Of a scan that was seen coming in nobody can say so: it is scanned again.
   const bool nobody_saw = inputs.scan.recovered || inputs.scan.from_recording;
   const bool confirm = by_scan && nobody_saw && may_be_confirmed(inputs);
-  say_step("refused: the path of %s is not sent: %s%s%s", name.c_str(), robot::failures(rows).c_str(),
-           confirm ? "; a person who has looked may say --confirm " : "", confirm ? name.c_str() : "");
+  warn_step("refused: the path of %s is not sent: %s%s%s", name.c_str(), robot::failures(rows).c_str(),
+            confirm ? "; a person who has looked may say --confirm " : "", confirm ? name.c_str() : "");
   return ExitStatus::Refused;
 }
 

@@ -114,8 +114,8 @@ Result<Service::WorkedOut> Service::work_out_path(Scan& scan, const intake::Scan
     case Next::Keep:
       return WorkedOut{.status = plan.status};
     case Next::Refuse:
-      say_step("refused: the path of %s is not sent: %s; a person who has looked may say --confirm %s",
-               name.c_str(), step.why.c_str(), name.c_str());
+      warn_step("refused: the path of %s is not sent: %s; a person who has looked may say --confirm %s",
+                name.c_str(), step.why.c_str(), name.c_str());
       return WorkedOut{.status = ExitStatus::Refused};
     case Next::Hold:
       say_step("%s is held: a person must %s%s%s", name.c_str(),

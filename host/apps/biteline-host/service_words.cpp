@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "host/apps/biteline-host/service_words.hpp"
 
+#include <unistd.h>
+
 #include <chrono>
 #include <cstdio>
 #include <ctime>
 #include <mutex>
 
+#include "common/system/log_level.hpp"
 #include "host/apps/biteline-host/told_once.hpp"
 
 namespace biteline::service {
@@ -16,7 +19,9 @@ void complain(const Error& error) {
   const std::string words = to_line(error);
   const std::lock_guard lock{mutex};
   const ToldOnce::Heard heard = told.hear(words, now());
-  if (heard.tells) std::fprintf(stderr, "biteline-host: %s\n", with_count(words, heard).c_str());
+  if (!heard.tells) return;
+  std::fprintf(stderr, "%sbiteline-host: %s\n", level_prefix(STDERR_FILENO, LogLevel::Error),
+               with_count(words, heard).c_str());
 }
 
 HostClock::time_point now() {

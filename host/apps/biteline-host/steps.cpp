@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "host/apps/biteline-host/steps.hpp"
 
+#include <unistd.h>
+
 #include <cstdarg>
 #include <cstdio>
 #include <memory>
 
+#include "common/system/log_level.hpp"
 #include "host/apps/biteline-host/refused.hpp"
 #include "host/apps/biteline-host/service_words.hpp"
 #include "host/calibration/consistency/picture_check.hpp"
@@ -61,7 +64,7 @@ Result<LineStep> keep_unfinished(const fs::path& folder, const intake::ScanOutco
   BITELINE_TRY(cloud::write_cloud(folder / "cloud.ply", scan.cloud));
   BITELINE_TRY(report.write(folder));
   BITELINE_TRY(results::write_refused_view(folder, scan.cloud, report::told(refusal), report));
-  say_step("refused: %s", refusal.reason.c_str());
+  warn_step("refused: %s", refusal.reason.c_str());
   return LineStep{.status = ExitStatus::Refused, .confidence = 0, .line = {}};
 }
 
@@ -88,7 +91,7 @@ Result<HeededPictures> heed_pictures(const fs::path& folder, const intake::ScanO
         .refused = {},
         .vouched = consistency::vouched_by(pictures, state_told) != consistency::VouchedBy::Nobody};
   BITELINE_TRY(results::write_refused_result(folder, scan.cloud, report::told(*refusal), report));
-  say_step("refused: %s", refusal->reason.c_str());
+  warn_step("refused: %s", refusal->reason.c_str());
   return HeededPictures{.refused = LineStep{.status = ExitStatus::Refused, .confidence = 0, .line = {}}};
 }
 
@@ -102,17 +105,28 @@ void fill_scan(const intake::ScanOutcome& scan, const std::string& release, repo
   report.fields["messages_lost"] = scan.messages_lost;
 }
 
+void say_line(LogLevel level, const char* pattern, std::va_list arguments) {
+  char text[1024];
+  std::vsnprintf(text, sizeof text, pattern, arguments);
+  // One call: the link's thread and the result's both have something to say.
+  std::printf("%s%s\n", level_prefix(STDOUT_FILENO, level), text);
+  std::fflush(stdout);
+}
+
 }  // namespace
 
 void say_step(const char* pattern, ...) {
-  char text[1024];
   std::va_list arguments;
   va_start(arguments, pattern);
-  std::vsnprintf(text, sizeof text, pattern, arguments);
+  say_line(LogLevel::Info, pattern, arguments);
   va_end(arguments);
-  // One call: the link's thread and the result's both have something to say.
-  std::printf("%s\n", text);
-  std::fflush(stdout);
+}
+
+void warn_step(const char* pattern, ...) {
+  std::va_list arguments;
+  va_start(arguments, pattern);
+  say_line(LogLevel::Warning, pattern, arguments);
+  va_end(arguments);
 }
 
 Result<LineStep> find_line(const fs::path& folder, const intake::ScanOutcome& scan, intake::LiveLine& line,
@@ -132,7 +146,10 @@ Result<LineStep> find_line(const fs::path& folder, const intake::ScanOutcome& sc
   bite_line::Extraction& extraction = outcome.extraction;
   intake::name_scan_cause(extraction, scan.counts, scan.sensor_counters, &scan.sensor_devices);
   BITELINE_ASSIGN(const ExitStatus status, results::write_line_files(folder, scan.cloud, extraction, report));
-  say_step("%s", results::summary(extraction).c_str());
+  if (status == ExitStatus::Done)
+    say_step("%s", results::summary(extraction).c_str());
+  else
+    warn_step("%s", results::summary(extraction).c_str());
   LineStep step{.status = status, .confidence = extraction.confidence, .line = {}, .arm = extraction.arm};
   if (status != ExitStatus::Refused) step.line = extraction.line;
   step.pictures_vouched = pictures.vouched;
@@ -151,7 +168,7 @@ Result<void> refuse_unknown(const fs::path& folder, const std::string& words, co
   report.refuse(Refusal{.code = Refused::ModelUnknown, .reason = "the model is not known: " + words});
   BITELINE_TRY(results::prepare_result_folder(folder));
   BITELINE_TRY(report.write(folder));
-  say_step("refused: the model is not known: %s", words.c_str());
+  warn_step("refused: the model is not known: %s", words.c_str());
   return {};
 }
 
@@ -177,7 +194,10 @@ Result<LineStep> carry_line(const fs::path& folder, const Carrier& carrier, cons
   BITELINE_TRY(report.timed("write", [&] { return cloud::write_cloud(folder / "cloud.ply", scan.cloud); }));
   BITELINE_ASSIGN(const ExitStatus status,
                   results::write_transfer_files(folder, scan.cloud, transfer, report));
-  say_step("%s", results::summary(transfer).c_str());
+  if (status == ExitStatus::Done)
+    say_step("%s", results::summary(transfer).c_str());
+  else
+    warn_step("%s", results::summary(transfer).c_str());
   LineStep step{
       .status = status, .confidence = transfer.confidence, .line = {}, .arm = options.upper_scan.arm};
   step.pictures_vouched = pictures.vouched;
@@ -214,7 +234,7 @@ Result<PlanStep> plan_again(const fs::path& folder, path::PlanRequest plan_reque
     say_step("%s follows the line in %.1f s: every check passed", plan_request.arm.name.c_str(),
              outcome.path->duration_s());
   } else {
-    say_step("refused: no path: %s", outcome.reason().c_str());
+    warn_step("refused: no path: %s", outcome.reason().c_str());
   }
   return PlanStep{.status = status, .request = std::move(plan_request), .outcome = std::move(outcome)};
 }

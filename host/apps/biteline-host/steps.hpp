@@ -20,6 +20,8 @@ namespace biteline::service {
 
 /// One line on stdout, at once; from any thread.
 [[gnu::format(printf, 1, 2)]] void say_step(const char* pattern, ...);
+/// The same of what a maintainer looks for: the journal has it as a warning.
+[[gnu::format(printf, 1, 2)]] void warn_step(const char* pattern, ...);
 
 struct LineStep {
   ExitStatus status{ExitStatus::Refused};
