@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "common/core/fixed_text.hpp"
+#include "common/core/text.hpp"
 #include "host/apps/biteline/command.hpp"
 #include "host/apps/biteline/history_log.hpp"
 
@@ -13,10 +14,10 @@ namespace {
 
 struct HistoryOptions {
   std::filesystem::path results, kept_links;
-  std::string from, to, model, verdict, part, zone, day_begin;
+  std::string from, to, model, verdict, reason, part, zone, day_begin;
   std::string separator{"comma"}, decimal{"point"};
   int limit{20};
-  bool csv{false}, trends{false}, byte_mark{false}, verify_log{false};
+  bool csv{false}, trends{false}, why{false}, byte_mark{false}, verify_log{false};
 };
 
 Result<memory::ScanFilter> filter_of(const HistoryOptions& options, const memory::FactoryDay& day) {
@@ -34,6 +35,7 @@ Result<memory::ScanFilter> filter_of(const HistoryOptions& options, const memory
   }
   filter.model = options.model;
   filter.verdict = options.verdict;
+  filter.reason_code = options.reason;
   filter.part = options.part;
   filter.limit = options.limit;
   return filter;
@@ -53,6 +55,14 @@ std::string words_of(const memory::Scan& scan) {
       .c_str();
 }
 
+/// Lines of their own below a row; none where nothing ended it.
+std::string why_of(const memory::Scan& scan) {
+  std::string words;
+  if (!scan.reason.empty()) words += "\n    " + clean_text(scan.reason, 1000);
+  if (!scan.next_step.empty()) words += "\n    next: " + clean_text(scan.next_step, 500);
+  return words;
+}
+
 nlohmann::ordered_json json_of(const memory::Scan& scan) {
   const auto or_null = [](const std::optional<double>& number) {
     return number ? nlohmann::ordered_json(*number) : nlohmann::ordered_json{};
@@ -62,6 +72,7 @@ nlohmann::ordered_json json_of(const memory::Scan& scan) {
           {"verdict", scan.verdict},
           {"reason_code", scan.reason_code},
           {"reason", scan.reason},
+          {"next_step", scan.next_step},
           {"ended_by", report::name_of(memory::ended_by(scan))},
           {"model", scan.model},
           {"process", scan.process},
@@ -81,7 +92,7 @@ nlohmann::ordered_json json_of(const memory::Scan& scan) {
           {"operator", scan.operator_name}};
 }
 
-Result<ExitStatus> run_list(const memory::Memory& memory, const memory::ScanFilter& filter,
+Result<ExitStatus> run_list(const memory::Memory& memory, const memory::ScanFilter& filter, bool why,
                             const GlobalOptions& global) {
   BITELINE_ASSIGN(const memory::ScanPage page, memory.scans(filter));
   report::Report report;
@@ -90,6 +101,7 @@ Result<ExitStatus> run_list(const memory::Memory& memory, const memory::ScanFilt
   for (const memory::Scan& scan : page.scans) {
     report.fields["scans"].push_back(json_of(scan));
     words += (words.empty() ? "" : "\n") + words_of(scan);
+    if (why) words += why_of(scan);
   }
   report.fields["more"] = page.next_id > 0;
   if (words.empty()) words = "no scan of this kind";
@@ -146,7 +158,7 @@ Result<ExitStatus> run_history(const HistoryOptions& options, const GlobalOption
   BITELINE_ASSIGN(const memory::FactoryDay day, day_of(options, memory));
   BITELINE_ASSIGN(const memory::ScanFilter filter, filter_of(options, day));
   if (options.trends) return run_trends(memory, filter, day, global);
-  if (!options.csv) return run_list(memory, filter, global);
+  if (!options.csv) return run_list(memory, filter, options.why, global);
   BITELINE_ASSIGN(const std::string csv, memory::history_csv(memory, filter, *style, day));
   if (std::fwrite(csv.data(), 1, csv.size(), stdout) != csv.size() || std::fflush(stdout) != 0)
     return fail(Errc::WriteFailed, "stdout");
@@ -167,6 +179,8 @@ void add_history(options::Command& app, Context& context) {
   command->add_option("--part", options->part, "Of this part number; with * at its end all that begin so");
   command->add_option("--verdict", options->verdict, "Of this verdict")
       ->check(options::one_of({"working", "ok", "amber", "review", "refused", "failed"}));
+  command->add_option("--reason", options->reason, "Of this reason code, such as no_crease");
+  command->add_flag("--why", options->why, "Below each shoe: why it ended so, and what was the next step");
   command->add_option("--limit", options->limit, "Newest so many")
       ->check(options::whole_number(1, memory::k_most_scans))
       ->capture_default_str();
