@@ -235,12 +235,12 @@ std::vector<SeenGate> told(std::span<const Gate> gates) {
   std::vector<SeenGate> seen;
   for (std::size_t i = 0; i < gates.size(); ++i) {
     const Gate& gate = gates[i];
-    const double sign = k_measures[i].at_most ? -1 : 1;
+    const bool at_most = k_measures[i].at_most;
     seen.push_back({.code = gate.code,
                     .measure = k_measures[i].name,
-                    .value = sign * gate.value + 0.0,  // no -0
-                    .limit = sign * gate.limit + 0.0,
-                    .at_most = k_measures[i].at_most,
+                    .value = at_most ? std::abs(gate.value) : gate.value,
+                    .limit = at_most ? std::abs(gate.limit) : gate.limit,
+                    .at_most = at_most,
                     .sure = gate.sure(),
                     .soft = gate.soft});
   }
