@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: MIT
 # page.sh [BUILD]: makes the pictures of the page again (default: build beside the sources; root, chromium).
 # The browser test runs the simulated cell and leaves pictures of its views; three are copied here.
+# The refused scan is the golden upper, which has no sole: biteline and its result's own page.
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 build=${1:-$here/../../build}
@@ -13,4 +14,8 @@ for picture in live scan work; do
     exit 1
   fi
 done
+refused=$(mktemp -d)
+trap 'rm -rf "$refused"' EXIT
+"$build/bin/biteline" extract "$here/../../tests/golden/upper/cloud.ply" --out "$refused" --quiet || [ $? -eq 3 ]
+BITELINE_WEB_SOURCE=$here/../../host/web node "$here/refused.mjs" "$refused" "$here/page_refused.png"
 ls -l "$here"/page_*.png

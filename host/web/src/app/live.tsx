@@ -299,6 +299,8 @@ export function Decide({ scan }: { scan: ScanRow }): JSX.Element {
       )}
       <button
         type="button"
+        // Of a scan without a line it is the next step.
+        class={scan.verdict === 'refused' || scan.verdict === 'failed' ? 'go' : undefined}
         disabled={!enabled || !offered('rescan')}
         onClick={() => void act(t('done_rescan'), () => call('POST', '/commands/rescan', {}))}
       >

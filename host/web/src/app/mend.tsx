@@ -18,6 +18,24 @@ interface Step {
   line_version?: number;
 }
 
+export interface CandidateStep {
+  step: 'candidate';
+  candidate: number;
+  from_mm?: number;
+  to_mm?: number;
+}
+
+/// A candidate over a stretch; more than half of the line is no stretch: it is taken all round.
+export function taken(stretch: WeakStretch, candidate: number, length_mm: number): CandidateStep {
+  return {
+    step: 'candidate',
+    candidate,
+    ...(stretch.to_mm !== undefined && stretch.length_mm < length_mm / 2
+      ? { from_mm: stretch.from_mm, to_mm: stretch.to_mm }
+      : {}),
+  };
+}
+
 /// "x, y, z; x, y, z" in the base frame; null where it is none.
 function read_points(text: string): number[][] | null {
   const points = text
@@ -35,14 +53,6 @@ function Open(props: {
   enabled: boolean;
   add: (step: Step) => void;
 }): JSX.Element {
-  // More than half of the line is no stretch: the candidate is taken all round.
-  const taken = (stretch: WeakStretch, candidate: number): Step => ({
-    step: 'candidate',
-    candidate,
-    ...(stretch.to_mm !== undefined && stretch.length_mm < props.length_mm / 2
-      ? { from_mm: stretch.from_mm, to_mm: stretch.to_mm }
-      : {}),
-  });
   return (
     <Table label={t('mend_open')} heads={[t('mend_open'), t('length'), t('reason'), '']}>
       {props.stretches.map((stretch) => (
@@ -52,7 +62,11 @@ function Open(props: {
           <td>{t_or(`reason_${stretch.reason_code}`, stretch.reason_code ?? '')}</td>
           <td>
             <div class="tools">
-              <button type="button" disabled={!props.enabled} onClick={() => props.add(taken(stretch, 1))}>
+              <button
+                type="button"
+                disabled={!props.enabled}
+                onClick={() => props.add(taken(stretch, 1, props.length_mm))}
+              >
                 {t('mend_as_found')}
               </button>
               {(stretch.alternatives ?? []).map((other) => (
@@ -60,7 +74,7 @@ function Open(props: {
                   type="button"
                   key={other.candidate}
                   disabled={!props.enabled}
-                  onClick={() => props.add(taken(stretch, other.candidate))}
+                  onClick={() => props.add(taken(stretch, other.candidate, props.length_mm))}
                 >
                   {t('mend_alternative', { which: other.candidate, off: number(other.off_mm, 1) })}
                 </button>

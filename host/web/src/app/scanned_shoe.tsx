@@ -5,7 +5,7 @@ import { useEffect, useMemo, useRef, useState } from 'preact/hooks';
 import type { ScanRow } from 'openapi';
 import type { Scene } from '../viewer/scene';
 import { Stage } from '../viewer/stage';
-import { unpack } from '../viewer/view_data';
+import { type View, unpack } from '../viewer/view_data';
 import { t } from '../words';
 import { watch_live } from './live_data';
 import { LiveScene } from './live_scene';
@@ -41,23 +41,35 @@ function Incoming(): JSX.Element {
   );
 }
 
-export function ScannedShoe({ scan, scanning }: { scan: ScanRow | null; scanning: boolean }): JSX.Element {
+/// What there is to look at of a finished scan, unpacked.
+export function use_shoe(scan: ScanRow | null): { view: View | null; error: string } {
   const finished = scan !== null && scan.verdict !== 'working';
   const { data, error } = use_view(finished ? scan.id : null, scan?.line_version);
   const view = useMemo(() => (data ? unpack(data) : null), [data]);
-  const begun = (scene: Scene | null) => {
-    scene?.colour_line('confidence');
-    scene?.colour_cloud('grey');
-  };
+  return { view, error };
+}
+
+export function ShoePicture(props: {
+  scan: ScanRow | null;
+  shoe: { view: View | null; error: string };
+  scanning?: boolean;
+  begun?: (scene: Scene | null) => void;
+}): JSX.Element {
+  const { scan, shoe } = props;
+  const finished = scan !== null && scan.verdict !== 'working';
   return (
     <figure class="viewer shoe" aria-label={t('work_picture')}>
-      {scanning ? (
+      {props.scanning ? (
         <Incoming />
-      ) : view ? (
-        <Stage key={`${scan?.id} ${scan?.line_version ?? 0}`} view={view} begun={begun} />
+      ) : shoe.view ? (
+        <Stage key={`${scan?.id} ${scan?.line_version ?? 0}`} view={shoe.view} begun={props.begun} />
       ) : (
-        <p class="quiet">{error || (finished ? t('waits') : t('work_none'))}</p>
+        <p class="quiet">{shoe.error || (finished ? t('waits') : t('work_none'))}</p>
       )}
     </figure>
   );
+}
+
+export function ScannedShoe({ scan }: { scan: ScanRow }): JSX.Element {
+  return <ShoePicture scan={scan} shoe={use_shoe(scan)} />;
 }

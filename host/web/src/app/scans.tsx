@@ -22,6 +22,7 @@ interface Filter {
   to: string;
   model: string;
   verdict: string;
+  reason: string;
   part: string;
 }
 
@@ -34,12 +35,20 @@ function day(text: string, end: boolean): string | undefined {
 }
 
 export function Scans(): JSX.Element {
-  const [filter, set_filter] = useState<Filter>({ from: '', to: '', model: '', verdict: '', part: '' });
+  const [filter, set_filter] = useState<Filter>({
+    from: '',
+    to: '',
+    model: '',
+    verdict: '',
+    reason: '',
+    part: '',
+  });
   const asked = {
     from: day(filter.from, false),
     to: day(filter.to, true),
     model: filter.model,
     verdict: filter.verdict,
+    reason_code: filter.reason,
     // What is typed of it so far finds it already.
     part: filter.part && `${filter.part}*`,
   };
@@ -76,6 +85,7 @@ export function Scans(): JSX.Element {
             ))}
           </select>
         </label>
+        <ReasonChoice from={asked.from} to={asked.to} field={field('reason')} />
         <a
           class="button"
           href={`${base}/history.csv${query({ from: asked.from, to: asked.to, model: asked.model, part: asked.part, ...csv_style() })}`}
@@ -133,6 +143,31 @@ export function Scans(): JSX.Element {
       )}
       <TrendView from={asked.from} to={asked.to} model={asked.model} />
     </>
+  );
+}
+
+/// The reasons that shoes of these days were ended by, the most frequent first.
+function ReasonChoice(props: {
+  from?: string;
+  to?: string;
+  field: { value: string; onInput: (event: { currentTarget: { value: string } }) => void };
+}): JSX.Element {
+  const { from, to } = props;
+  const { value } = use_reading<Trends>(`/history/trends${query({ from, to, bucket: 'day' })}`);
+  const codes = (value?.reasons ?? []).map((row) => row.reason_code);
+  const chosen = props.field.value;
+  return (
+    <label>
+      {t('reason')}{' '}
+      <select {...props.field}>
+        <option value="">{t('all')}</option>
+        {[...codes, ...(chosen && !codes.includes(chosen) ? [chosen] : [])].map((code) => (
+          <option key={code} value={code}>
+            {t_or(`reason_${code}`, code)}
+          </option>
+        ))}
+      </select>
+    </label>
   );
 }
 

@@ -1,14 +1,19 @@
 // SPDX-License-Identifier: MIT
 // The operator's screen: one shoe with its line, the verdict to be read from 3 m, what to do, and the next shoe.
 import type { ComponentChildren, JSX } from 'preact';
+import { useState } from 'preact/hooks';
 import type { Scan, ScanRow, State } from 'openapi';
+import { failed_gates, gate_words } from '../viewer/gates';
+import type { Scene } from '../viewer/scene';
+import type { Gate } from '../viewer/view_data';
 import { t, t_or } from '../words';
 import { DayCounts } from './day_counts';
 import { Fresh } from './fresh';
 import { Lamps } from './lamps';
 import { Decide } from './live';
 import { Failure, shoe_words, verdict_signs } from './parts';
-import { ScannedShoe } from './scanned_shoe';
+import { ShoePicture, use_shoe } from './scanned_shoe';
+import { Settle, open_stretches } from './settle';
 import { StartForm } from './start_form';
 import { holds_control, may, use_reading, use_store } from './store';
 
@@ -41,14 +46,25 @@ function Letters({ sign, word }: { sign: string; word: string }): JSX.Element {
   );
 }
 
+/// Of the scan's report, which may be of an older version.
+function gates_of(scan: Scan | null): Gate[] {
+  const gates = (scan?.report as { gates?: unknown } | null)?.gates;
+  return Array.isArray(gates) && scan?.verdict === 'refused' ? (gates as Gate[]) : [];
+}
+
 /// Why it is so and what to do, as far as the service says.
-function Reason({ scan }: { scan: ScanRow }): ComponentChildren {
+function Reason({ scan, gates }: { scan: ScanRow; gates: Gate[] }): ComponentChildren {
   if (!scan.reason && !scan.reason_code && !scan.why) return null;
   const code = scan.reason_code ? t_or(`reason_${scan.reason_code}`, '') : '';
   return (
     <p class="reason">
       {code && <strong>{code}. </strong>}
       {scan.why ?? scan.reason ?? ''}{' '}
+      {failed_gates(gates, scan.reason_code)
+        .slice(0, 1)
+        .map((gate) => (
+          <em key={gate.measure}>{gate_words(gate)} </em>
+        ))}
       {scan.next_step && (
         <>
           <strong>{t('next_step')}</strong> {scan.next_step}
@@ -64,6 +80,9 @@ export function Work(): JSX.Element {
   const id = state?.held?.scan ?? newest?.id ?? null;
   const read = use_reading<Scan>(id === null ? null : `/scans/${id}`).value;
   const scan: ScanRow | null = read ?? (newest?.id === id ? newest : null);
+  const scanning = state?.phase === 'scanning';
+  const shoe = use_shoe(scanning ? null : scan);
+  const [scene, set_scene] = useState<Scene | null>(null);
   if (!state) return <Failure text={host ? t('waits_for_state') : t('code_host_away')} />;
   const big = big_word(state, scan);
   const enabled = may('operator') && holds_control();
@@ -83,15 +102,19 @@ export function Work(): JSX.Element {
           <progress value={state.progress} max={1} aria-label={t('progress')} />
         )}
       </section>
-      <ScannedShoe scan={state.phase === 'scanning' ? null : scan} scanning={state.phase === 'scanning'} />
+      <ShoePicture scan={scan} shoe={shoe} scanning={scanning} begun={set_scene} />
       <div class="side">
-        {scan && <Reason scan={scan} />}
+        {scan && <Reason scan={scan} gates={gates_of(read)} />}
         {scan && (
           <div class="decide">
-            {settle && (
-              <a class="button go" href={`#/scans/${scan.id}`}>
-                {t('mend')}
-              </a>
+            {settle && shoe.view && open_stretches(shoe.view).length > 0 && (
+              <Settle
+                key={`${scan.id} ${scan.line_version ?? 0}`}
+                scan={scan}
+                view={shoe.view}
+                scene={scene}
+                enabled={enabled}
+              />
             )}
             <Decide scan={scan} />
             <Fresh scan={scan.id} />

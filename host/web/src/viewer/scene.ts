@@ -9,7 +9,7 @@ import { colour_of, type Rgb, type Scale } from './colours';
 import { plus, section, u95_of_confidence_mm, type LinePoint, type Vec, type View } from './view_data';
 
 export type ViewName = 'fit' | 'top' | 'left' | 'right' | 'toe' | 'heel';
-export type Layer = 'cloud' | 'line' | 'path' | 'weak' | 'names' | 'other';
+export type Layer = 'cloud' | 'line' | 'path' | 'weak' | 'candidates' | 'names' | 'other';
 export type CloudColour = 'grey' | 'height';
 export type LineColour = 'confidence' | 'u95' | 'height' | 'source';
 
@@ -68,6 +68,7 @@ export class Scene {
     line: new THREE.Group(),
     path: new THREE.Group(),
     weak: new THREE.Group(),
+    candidates: new THREE.Group(),
     names: new THREE.Group(),
     other: new THREE.Group(),
   };
@@ -107,9 +108,10 @@ export class Scene {
     box.addEventListener('pointerleave', this.left);
     this.controls.addEventListener('change', this.draw);
 
-    this.colour_cloud('height');
+    this.colour_cloud('grey');
     this.build_path();
     this.build_weak();
+    this.build_candidates();
     this.colour_line('confidence');
     this.watcher = new ResizeObserver(() => this.resize());
     this.watcher.observe(box);
@@ -244,6 +246,21 @@ export class Scene {
     this.draw();
   }
 
+  /// Another way over a stretch, before somebody takes it; none: nothing is shown.
+  preview(points: Vec[]): void {
+    clear(this.layers.other);
+    if (points.length > 1) {
+      const geometry = new LineGeometry();
+      geometry.setPositions(points.flat());
+      const material = new LineMaterial({ color: 0x2f7de1, linewidth: 5, depthTest: false });
+      material.resolution.set(Math.max(1, this.box.clientWidth), Math.max(1, this.box.clientHeight));
+      const line = new Line2(geometry, material);
+      line.renderOrder = 6;
+      this.layers.other.add(line);
+    }
+    this.draw();
+  }
+
   /// A ring about a point of the line, its normal, and the frame of its section.
   choose(index: number | null, reach_mm: number): void {
     clear(this.mark);
@@ -316,6 +333,42 @@ export class Scene {
         bead.position.set(...p);
         this.layers.weak.add(bead);
       }
+    }
+  }
+
+  /// Of a refused scan: the best candidate, the others dashed, and beads where the best one failed.
+  private build_candidates(): void {
+    for (const [which, { places, failed }] of this.view.candidates.entries()) {
+      if (places.length < 3) continue;
+      const round = [...places, places[0]!].map((p) => new THREE.Vector3(...p));
+      const geometry = new THREE.BufferGeometry().setFromPoints(round);
+      const material =
+        which === 0
+          ? new THREE.LineBasicMaterial({ color: 0xd1006c, depthTest: false })
+          : new THREE.LineDashedMaterial({
+              color: 0x8a5a9a,
+              dashSize: 5,
+              gapSize: 4,
+              transparent: true,
+              opacity: 0.7,
+              depthTest: false,
+            });
+      const line = new THREE.Line(geometry, material);
+      line.computeLineDistances();
+      line.renderOrder = 6;
+      this.layers.candidates.add(line);
+      const at = places.filter((_, i) => failed[i]);
+      if (at.length === 0) continue;
+      const bead = new THREE.SphereGeometry(1.3, 10, 8);
+      const beads = new THREE.InstancedMesh(
+        bead,
+        new THREE.MeshBasicMaterial({ color: 0xe07b00, depthTest: false }),
+        at.length,
+      );
+      const placed = new THREE.Matrix4();
+      for (const [i, p] of at.entries()) beads.setMatrixAt(i, placed.makeTranslation(...p));
+      beads.renderOrder = 7;
+      this.layers.candidates.add(beads);
     }
   }
 

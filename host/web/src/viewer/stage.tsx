@@ -39,7 +39,7 @@ export function index_at(view: View, at_mm: number): number {
 }
 
 /// `begun`: told of the scene once it is there, and of null when it goes.
-export function Stage(props: { view: View; begun: (scene: Scene | null) => void }): JSX.Element {
+export function Stage(props: { view: View; begun?: (scene: Scene | null) => void }): JSX.Element {
   const { view } = props;
   const box = useRef<HTMLDivElement>(null);
   const scene = useRef<Scene | null>(null);
@@ -52,14 +52,14 @@ export function Stage(props: { view: View; begun: (scene: Scene | null) => void 
       const made = new Scene(box.current, view, names);
       made.on_overlay = set_overlay;
       scene.current = made;
-      props.begun(made);
+      props.begun?.(made);
     } catch {
       set_without(t('no_webgl'));
     }
     return () => {
       scene.current?.dispose();
       scene.current = null;
-      props.begun(null);
+      props.begun?.(null);
     };
   }, [view, names]);
   const key = (event: KeyboardEvent) => {

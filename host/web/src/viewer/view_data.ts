@@ -23,6 +23,16 @@ export interface Candidate {
   seen_share?: number;
 }
 
+/// What one gate measured; `sure` is 0.5 at the limit.  The unit stands at the end of `measure`.
+export interface Gate {
+  reason_code: string;
+  measure: string;
+  value: number;
+  at_least?: number;
+  at_most?: number;
+  sure: number;
+}
+
 /// schema_version 1.
 export interface ViewData {
   schema_version: number;
@@ -34,6 +44,9 @@ export interface ViewData {
     next_step?: string;
     weak_stretches?: WeakStretch[];
     candidates?: Candidate[];
+    gates?: Gate[];
+    /// Of a refused scan: the bit of `lacks` that its reason speaks of; 0: of no single place.
+    lack?: number;
     [key: string]: unknown;
   };
   /// Row-major 4 x 4: x heel to toe, y left, z up.
@@ -48,6 +61,8 @@ export interface ViewData {
     source: string[];
   };
   path_mm?: number[][];
+  /// Of a refused scan, best first: places in the base, and what each lacks, as bits.
+  candidates?: { points: number[][]; lacks?: number[] }[];
 }
 
 export interface ResultFile {
@@ -78,6 +93,7 @@ export interface View {
   line: LinePoint[];
   length_mm: number;
   path: Vec[];
+  candidates: { places: Vec[]; failed: boolean[] }[];
   low: Vec;
   high: Vec;
 }
@@ -173,13 +189,19 @@ export function unpack(data: ViewData): View {
       length_mm += size(minus(after, shoe[i]!));
     }
   }
+  const lack = data.report.lack ?? 0;
+  const candidates = (data.candidates ?? []).map(({ points, lacks }) => ({
+    places: points.map((p) => into(T, p)),
+    failed: points.map((_, i) => ((lacks?.[i] ?? 0) & lack) !== 0),
+  }));
+  for (const { places: shown } of candidates) for (const p of shown) grow(p);
   const path = (data.path_mm ?? []).map((p) => into(T, p));
   if (low[0] > high[0]) for (const p of path) grow(p);
   if (low[0] > high[0]) {
     grow([0, 0, 0]);
     grow([300, 100, 100]);
   }
-  return { data, cloud, line, length_mm, path, low, high };
+  return { data, cloud, line, length_mm, path, candidates, low, high };
 }
 
 /// The text of view_data.js, as a server hands it out.
@@ -233,6 +255,11 @@ export function in_base(view: View, p: Vec): Vec {
   return [0, 1, 2].map(
     (row) => T[4 * row]! * p[0] + T[4 * row + 1]! * p[1] + T[4 * row + 2]! * p[2] + T[4 * row + 3]!,
   ) as Vec;
+}
+
+/// A point of the robot's base in the shoe's frame.
+export function in_shoe(view: View, p: ArrayLike<number>): Vec {
+  return into(view.data.T_base_shoe?.length === 16 ? view.data.T_base_shoe : identity, p);
 }
 
 /// A place that a person has chosen, perhaps moved by hand in its section.

@@ -4,6 +4,7 @@ import type { ComponentChildren, JSX } from 'preact';
 import { useEffect, useMemo, useState } from 'preact/hooks';
 import { number, t, t_or } from '../words';
 import { gradient } from './colours';
+import { Gates, failed_gates } from './gates';
 import { type Layer, type LineColour, type Scene, type ViewName, line_scale } from './scene';
 import { SectionPlot } from './section_plot';
 import { Stage, index_at, names_of } from './stage';
@@ -22,7 +23,7 @@ import {
 } from './view_data';
 
 const views: ViewName[] = ['fit', 'top', 'left', 'right', 'toe', 'heel'];
-const layers: Layer[] = ['cloud', 'line', 'path', 'weak', 'other', 'names'];
+const layers: Layer[] = ['cloud', 'line', 'path', 'weak', 'candidates', 'other', 'names'];
 const section_half_mm = 0.6;
 
 export function Toggle(props: {
@@ -81,6 +82,7 @@ export function Viewer(props: {
   const [reach_mm, set_reach_mm] = useState(12);
   const [moved, set_moved] = useState<SectionPoint>({ out_mm: 0, up_mm: 0 });
   const weak = view.data.report.weak_stretches ?? [];
+  const gates = view.data.report.gates ?? [];
   const has_line = view.line.length > 2;
 
   const begun = (made: Scene | null) => {
@@ -114,6 +116,7 @@ export function Viewer(props: {
     (layer) =>
       (layer !== 'path' || view.path.length > 1) &&
       (layer !== 'weak' || weak.length > 0) &&
+      (layer !== 'candidates' || view.candidates.length > 0) &&
       (layer !== 'other' || apart !== null) &&
       (layer !== 'cloud' || view.cloud.length > 0) &&
       (layer !== 'line' || has_line) &&
@@ -186,6 +189,8 @@ export function Viewer(props: {
       </div>
       <Stage view={view} begun={begun} />
       {has_line && <ColourBar view={view} by={by} />}
+      {view.candidates.length > 0 && <p class="colour-bar">{t('failed_places')}</p>}
+      {gates.length > 0 && failed_gates(gates).length > 0 && <Gates gates={gates} />}
       {cloud_by === 'height' && view.cloud.length > 0 && (
         <div class="colour-bar">
           <span>
