@@ -13,6 +13,12 @@ const policy =
 /// A page that lives on slow events shows where the tests are in a race with it.
 const events_late_ms = Number(process.env.BITELINE_TEST_EVENTS_LATE_MS ?? 0);
 
+const refused_gates = [
+  { reason_code: 'no_crease', measure: 'evidence', value: 0.42, at_least: 0.1, sure: 1 },
+  { reason_code: 'no_crease_all_round', measure: 'longest_gap_mm', value: 128.4, at_most: 100, sure: 0.03 },
+  { reason_code: 'no_upper', measure: 'upper_share', value: 0.97, at_least: 0.8, sure: 0.99 },
+];
+
 /// A made shoe: an oval wall of 280 x 100 mm over a step of 4 mm, in the shoe's own frame; base is 300 mm away.
 export function made_view({ weak = true, found = true } = {}) {
   const places = [];
@@ -26,6 +32,7 @@ export function made_view({ weak = true, found = true } = {}) {
     }
     for (let out = 0; out < 4; out += 1) places.push(x + out * Math.cos(a) + 300, y + out * Math.sin(a), 24);
   }
+  const course = (z) => [...Array(300).keys()].map((i) => (2 * Math.PI * i) / 300).map((a) => [at(a)[0] + 300, at(a)[1], z]);
   const origin = [150, -120, -5];
   const step = 0.01;
   const packed = Buffer.alloc(2 * places.length);
@@ -43,7 +50,7 @@ export function made_view({ weak = true, found = true } = {}) {
     line.u95_mm.push(is_weak ? 1.4 : 0.15);
     line.source.push(is_weak ? 'bridged' : 'seen');
   }
-  const stretch = { place: 'left side, in the middle', from_mm: 155, to_mm: 170, length_mm: 15, reason_code: 'rivalled', alternatives: [{ candidate: 2, off_mm: 3.24, points: [[440, 61, 24]] }], least_confidence: 0.4, u95_mm: 1.4, u95_is_guessed: false, middle_mm: [440, 58, 24] };
+  const stretch = { place: 'left side, in the middle', from_mm: 155, to_mm: 170, length_mm: 15, reason_code: 'rivalled', alternatives: [{ candidate: 2, off_mm: 3.24, points: [...Array(9).keys()].map((i) => [428 + 3 * i, 58 + 3.24 * Math.sin((Math.PI * i) / 8), 26]) }], least_confidence: 0.4, u95_mm: 1.4, u95_is_guessed: false, middle_mm: [440, 58, 24] };
   return {
     schema_version: 1,
     title: 'Bite line',
@@ -56,12 +63,12 @@ export function made_view({ weak = true, found = true } = {}) {
         { confidence: 0.96, mean_height_mm: 24, length_mm: 640, crease_deg: 30, seen_share: 0.98 },
         { confidence: 0.03, mean_height_mm: 40, length_mm: 622, crease_deg: 8, seen_share: 0.8 },
       ],
-      ...(found ? {} : { reason: 'no crease', next_step: 'push the sole on, or transfer the line of a sample' }),
+      ...(found ? {} : { reason: 'no crease', next_step: 'push the sole on, or transfer the line of a sample', lack: 2, gates: refused_gates }),
     },
     T_base_shoe: [1, 0, 0, 300, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1],
     inner_side: 'left',
     cloud: { of: places.length / 3, every: 1, origin_mm: origin, step_mm: step, xyz_u16: packed.toString('base64') },
-    ...(found ? { line } : {}),
+    ...(found ? { line } : { candidates: [{ points: course(24), lacks: course(24).map((_, i) => (i < 60 ? 2 : 0)) }, { points: course(40) }] }),
   };
 }
 
@@ -137,10 +144,10 @@ export class FakeCell {
       row('scan-0004', 'amber', 'held', { u95_mm: 1.4, weak_stretches: 1, reason: 'weak on the left side' }),
       row('scan-0003', 'refused', 'open', { reason_code: 'no_crease', reason: 'no crease: nothing concave runs round the side', next_step: 'push the sole on, or transfer the line of a sample', length_mm: null, u95_mm: null, weak_stretches: null, confidence: 0.1 }),
       row('scan-0002', 'ok', 'automatic', { sent: true, followed: true, part: 'A-17', foot: 'left', size: 'EU 42' }),
-      row('scan-0001', 'ok', 'accepted', { decided_by: 'anna' }),
+      row('scan-0001', 'ok', 'accepted', { decided_by: 'anna', length_mm: 631.7 }),
     ];
     this.trends = [...Array(10).keys()].map((i) => ({ time: new Date(Date.UTC(2026, 10, 10 + i)).toISOString(), scans: 20 + i, ok: 16 + i, amber: 2, review: 0, refused: 1, failed: 1, cycle_s: 30 + Math.sin(i), u95_mm: 0.3 + 0.02 * i, length_mm: 640 }));
-    this.models = [{ name: 'runner-42', time: '2026-11-19T09:00:00Z', scan: 'scan-0001', process: 'rough', size: 'EU 42', foot: 'left', version: 1, length_mm: 640.1, scans: 12 }];
+    this.models = [{ name: 'runner-42', time: '2026-11-19T09:00:00Z', scan: 'scan-0001', process: 'rough', size: 'EU 42', foot: 'left', version: 1, length_mm: 631.72, scans: 12 }];
     this.users = [
       { name: 'anna', role: 'administrator', enabled: true, made: '2026-11-01T08:00:00Z', last_login: '2026-11-20T08:00:00Z' },
       { name: 'otto', role: 'operator', enabled: true, made: '2026-11-02T08:00:00Z', last_login: null },
@@ -353,8 +360,9 @@ export class FakeCell {
     }
     if (path === '/scans') {
       const verdict = asked.get('verdict');
+      const reason = asked.get('reason_code');
       const part = asked.get('part')?.replace(/\*$/, '');
-      const wanted = (scan) => (!verdict || scan.verdict === verdict) && (!part || scan.part?.startsWith(part));
+      const wanted = (scan) => (!verdict || scan.verdict === verdict) && (!reason || scan.reason_code === reason) && (!part || scan.part?.startsWith(part));
       return [200, { scans: this.scans.filter(wanted), next: null }];
     }
     const scan_path = /^\/scans\/(scan-\d+)(?:\/(.*))?$/.exec(path);
@@ -362,13 +370,14 @@ export class FakeCell {
       const scan = this.scans.find((row) => row.id === scan_path[1]);
       if (!scan) return fail(404, 'not_found', `${scan_path[1]}: no such scan`);
       const what = scan_path[2];
-      if (!what) return [200, { ...scan, report: { status: 'ok' }, gate: null, follow: null, air: this.air ?? null, process_file: this.process_files.get(scan.id) ?? null, versions: [{ version: 0, time: scan.time, who: 'found' }], reruns: this.reruns.get(scan.id) ?? [] }];
+      if (!what) return [200, { ...scan, report: scan.verdict === 'refused' ? { status: 'refused', gates: refused_gates } : { status: 'ok' }, gate: null, follow: null, air: this.air ?? null, process_file: this.process_files.get(scan.id) ?? null, versions: [{ version: 0, time: scan.time, who: 'found' }], reruns: this.reruns.get(scan.id) ?? [] }];
       if (what === 'files') return [200, { files: (scan.verdict === 'refused' ? ['cloud.ply', 'report.json'] : ['line.csv', 'cloud.ply', 'report.json', 'path/tracking.html']).map((name) => ({ path: name, bytes: 12345, time: scan.time })) }];
       if (what === 'files/view_data.js') {
         if (this.view_fails) return fail(500, 'internal', 'the disk does not answer');
         const found = scan.verdict !== 'refused';
         return [200, `window.biteline_view = ${JSON.stringify(found ? this.view : made_view({ weak: false, found: false }))};\n`, { 'content-type': 'text/javascript' }];
       }
+      if (what === 'files/line.csv') return [200, `x_mm,y_mm,z_mm\n${this.view.line.xyz_mm.map((p) => p.join(',')).join('\n')}\n`];
       if (what.startsWith('files/')) return [200, 'a file'];
       if (this.control.holder !== me.name) return fail(409, 'control_needed', 'take control first');
       if (what === 'model') {

@@ -16,7 +16,7 @@ const english = read('en');
 // Long words, a tall script, many marks; all of them where every language is asked for.
 const daily = ['de', 'hi', 'vi'];
 const codes = readdirSync(join(web, 'words')).map((file) => file.replace('.json', '')).sort();
-const views = ['work', 'live', 'scans', 'models', 'processes', 'teach', 'sensor', 'devices', 'people', 'log', 'scans/scan-0004', 'scans/scan-0003'];
+const views = ['work', 'live', 'scans', 'models', 'processes', 'teach', 'sensor', 'devices', 'people', 'log', 'scans/scan-0004', 'scans/scan-0003', 'models/runner-42'];
 
 /// What stands on the page, and what of it is cut: text that needs more room than its box shows.
 function seen() {

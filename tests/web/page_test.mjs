@@ -150,6 +150,11 @@ for (const [width, height, scheme] of looks) {
       await send_live(10);
     }
     if (name === 'scan') await one.page.getByText('Section across the line', { exact: true }).waitFor();
+    if (name === 'refused') {
+      // What could have been the line, and how far it is from the limit that it failed at.
+      await one.page.getByRole('button', { name: 'Candidates' }).waitFor();
+      await one.page.getByRole('row', { name: /Longest gap of the crease 128.4 mm at most 100.0 mm/ }).waitFor();
+    }
     if (name === 'processes') await one.page.getByText('passes every check', { exact: false }).waitFor();
     if (name === 'devices' || name === 'sensor') {
       for (const words of ['12 of the program, 3 of the machine', '130.5 h', '14.20 h in 512 times', '18.5 to 46.3 °C'])
@@ -333,6 +338,10 @@ await otto.page.getByRole('row', { name: /scan-0001/ }).waitFor({ state: 'detach
 await otto.page.getByRole('row', { name: /scan-0002/ }).waitFor();
 check((await otto.page.getByRole('row', { name: /scan-0001/ }).count()) === 0, 'others are found with a part number');
 await look_for_faults(otto.page, 'a shoe by its part number');
+await otto.page.getByLabel('Part number').fill('');
+await otto.page.getByRole('combobox', { name: /^Reason/ }).selectOption('no_crease');
+await otto.page.getByRole('row', { name: /scan-0002/ }).waitFor({ state: 'detached' });
+await otto.page.getByRole('row', { name: /scan-0003.*no crease/ }).waitFor();
 
 say('compare with another scan');
 await anna.page.goto(`${address}#/scans/scan-0004`);
@@ -418,6 +427,36 @@ check(
     '[{"step":"candidate","candidate":2,"from_mm":155,"to_mm":170},{"step":"candidate","candidate":1,"from_mm":155,"to_mm":170}]',
   `settled by ${JSON.stringify(settled)}`,
 );
+
+say('work: the stretches of a line for review, one after the other, by taps');
+Object.assign(cell.scans[0], { verdict: 'review', decision: 'held' });
+cell.push('scan', cell.scans[0]);
+cell.push('state', cell.told_state());
+await otto.page.goto(`${address}#/work`);
+const settling = otto.page.getByRole('region', { name: 'Settle its stretches' });
+await settling.getByText('1 of 1: left side, in the middle', { exact: false }).waitFor();
+check((await settling.getByRole('button', { name: 'Save as a new version' }).count()) === 0, 'an open stretch may be saved');
+await settling.getByRole('button', { name: 'Candidate 2, 3.2 mm away' }).hover();
+await otto.page.screenshot({ path: join(pictures, 'settle_900.png') });
+await settling.getByRole('button', { name: 'Candidate 2, 3.2 mm away' }).click();
+await settling.getByText('Each stretch is settled.').waitFor();
+await settling.getByRole('button', { name: 'Undo' }).click();
+await settling.getByText('1 of 1', { exact: false }).waitFor();
+await settling.getByRole('button', { name: 'Candidate 2, 3.2 mm away' }).click();
+await look_for_faults(otto.page, 'a line for review on the operator\'s screen');
+const version_before = cell.scans[0].line_version;
+await settling.getByRole('button', { name: 'Save as a new version' }).click();
+await otto.page.getByText('The line is mended.').first().waitFor();
+const tapped = cell.calls.filter((call) => call.path.endsWith('/mend')).at(-1).body;
+check(
+  JSON.stringify(tapped) ===
+    `{"line_version":${version_before},"steps":[{"step":"candidate","candidate":2,"from_mm":155,"to_mm":170}],"why":"looked at each stretch"}`,
+  `tapped ${JSON.stringify(tapped)}`,
+);
+Object.assign(cell.scans[0], { verdict: 'amber', decision: 'accepted' });
+cell.push('scan', cell.scans[0]);
+cell.push('state', cell.told_state());
+await otto.page.goto(`${address}#/scans`);
 
 say('teach: from a scan that waits to a model');
 cell.teaching = null;
@@ -658,6 +697,24 @@ await anna.page.getByLabel('Name', { exact: true }).fill('boot-40');
 await anna.page.locator('form').getByLabel(/^Scan/).selectOption('scan-0001');
 await anna.page.getByRole('button', { name: 'Save' }).click();
 await anna.page.getByRole('row', { name: /boot-40/ }).waitFor();
+say('a model has a page: picture, samples, shoes');
+await anna.page.getByRole('img', { name: 'The line of runner-42, from above' }).waitFor();
+await anna.page.getByRole('link', { name: 'runner-42', exact: true }).click();
+await anna.page.getByRole('heading', { name: 'runner-42', level: 1 }).waitFor();
+await anna.page.locator('.shoe .scale-bar').waitFor();
+await anna.page.getByRole('region', { name: 'Samples: sizes and feet' }).getByRole('row', { name: /runner-42 EU 42 left/ }).waitFor();
+await anna.page.getByRole('region', { name: 'Shoes of this model' }).getByRole('link', { name: 'scan-0001' }).waitFor();
+await look_for_faults(anna.page, 'a model\'s page');
+await wide_as_screen(anna.page, 'a model\'s page');
+await whole_page(anna.page, join(pictures, 'model_1280.png'));
+// A scan of the same name that is another shoe is not shown for it.
+cell.models[0].length_mm = 700;
+cell.push('model', cell.models[0]);
+await anna.page.getByText('there is no picture', { exact: false }).waitFor();
+check((await anna.page.locator('.shoe').count()) === 0, 'another shoe is shown for the model');
+cell.models[0].length_mm = 631.72;
+cell.push('model', cell.models[0]);
+await anna.page.goto(`${address}#/models`);
 say('a model goes out as a file and comes back');
 const downloading = anna.page.waitForEvent('download');
 await anna.page.getByRole('link', { name: 'Export boot-40' }).click();

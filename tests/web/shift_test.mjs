@@ -63,6 +63,7 @@ const tasks = [
     cell.push('state', cell.told_state());
     await hand.see(hand.page.locator('.letters', { hasText: 'refused' }));
     await hand.see(hand.page.getByText('nothing concave runs round the side', { exact: false }));
+    await hand.see(hand.page.getByText('Longest gap of the crease: 128.4 mm (at most 100.0 mm)', { exact: false }));
     await hand.see(hand.page.getByText('push the sole on', { exact: false }));
   }],
   ['count the day, ask the robot\'s lamp', async (hand) => {

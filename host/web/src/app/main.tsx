@@ -16,6 +16,7 @@ import { Header } from './header';
 import { Live } from './live';
 import { Login } from './login';
 import { Models } from './models';
+import { OneModel } from './one_model';
 import { Log, People } from './people';
 import { Processes } from './processes';
 import { OneScan, Scans } from './scans';
@@ -94,7 +95,7 @@ function View({ view, about }: { view: string; about: string | undefined }): Com
     case 'teach':
       return <Teach />;
     case 'models':
-      return <Models />;
+      return about ? <OneModel key={about} name={about} /> : <Models />;
     case 'processes':
       return <Processes />;
     case 'sensor':

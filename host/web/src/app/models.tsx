@@ -2,15 +2,20 @@
 // The library of samples: from a scan to a model, and out of use again.
 import type { JSX } from 'preact';
 import { useState } from 'preact/hooks';
-import type { Model } from 'openapi';
+import type { Model, ScanRow } from 'openapi';
 import { amount, t } from '../words';
 import { base, call } from './api';
+import { LineDrawing } from './line_drawing';
 import { ImportModel, NewModel } from './new_model';
 import { Failure, InForce, Table } from './parts';
-import { act, may, time_words, use_reading } from './store';
+import { act, may, use_reading } from './store';
+
+const newest_scans = 500;
 
 export function Models(): JSX.Element {
   const { value, error } = use_reading<{ models: Model[]; release: string | null }>('/models');
+  // A model that was taught from an older scan has its picture on its own page.
+  const { value: scans } = use_reading<{ scans: ScanRow[] }>(`/scans?limit=${newest_scans}`);
   const [asked, set_asked] = useState('');
   const names = (value?.models ?? []).map((model) => model.name);
   return (
@@ -24,13 +29,12 @@ export function Models(): JSX.Element {
           label={t('nav_models')}
           heads={[
             t('name'),
-            t('time'),
+            t('layer_line'),
             t('scan'),
             t('process'),
             t('size'),
             t('foot'),
             t('sample_of'),
-            t('version'),
             t('length'),
             t('recognised'),
             '',
@@ -38,14 +42,21 @@ export function Models(): JSX.Element {
         >
           {value.models.map((model) => (
             <tr key={model.name}>
-              <th scope="row">{model.name}</th>
-              <td>{time_words(model.time)}</td>
+              <th scope="row">
+                <a href={`#/models/${model.name}`}>{model.name}</a>
+              </th>
+              <td>
+                <LineDrawing
+                  model={model}
+                  scans={scans?.scans ?? []}
+                  label={t('model_line', { name: model.name })}
+                />
+              </td>
               <td>{model.scan ? <a href={`#/scans/${model.scan}`}>{model.scan}</a> : '–'}</td>
               <td>{model.process ?? '–'}</td>
               <td>{model.size ?? '–'}</td>
               <td>{model.foot ? t(model.foot) : '–'}</td>
               <td>{model.of ?? '–'}</td>
-              <td>{model.version ?? '–'}</td>
               <td>{amount(model.length_mm, 'mm', 1)}</td>
               <td>{model.scans ?? '–'}</td>
               <td>
