@@ -172,6 +172,11 @@ double SurfaceWays::way_mm(std::size_t station, double up_mm) const {
   return (1 - share) * way_mm_[at(station, below)] + share * way_mm_[at(station, below + 1)];
 }
 
+void SurfaceWays::count_from(const std::vector<double>& by_mm) {
+  for (std::size_t station = 0; station < by_mm.size(); ++station)
+    for (std::size_t row = 0; row < rows_; ++row) way_mm_[at(station, row)] -= by_mm[station];
+}
+
 Vec3 SurfaceWays::point(const Station& frame, std::size_t station, double way_mm) const {
   const auto begin = way_mm_.begin() + static_cast<std::ptrdiff_t>(at(station, 0));
   const auto end = begin + static_cast<std::ptrdiff_t>(rows_);

@@ -83,6 +83,8 @@ class SurfaceWays {
  public:
   SurfaceWays(const cloud::PointCloud& first, const LineFrame& frame, double reach_mm);
   [[nodiscard]] double way_mm(std::size_t station, double up_mm) const;
+  /// From now on ways are counted from a place that lies so much farther up at each station.
+  void count_from(const std::vector<double>& by_mm);
   [[nodiscard]] Vec3 point(const Station& frame, std::size_t station, double way_mm) const;
 
  private:

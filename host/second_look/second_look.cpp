@@ -12,7 +12,6 @@
 #include "host/second_look/change.hpp"
 #include "host/second_look/faults.hpp"
 #include "host/second_look/raster.hpp"
-#include "host/transfer/moved.hpp"
 
 namespace biteline::second_look {
 namespace {
@@ -25,6 +24,10 @@ constexpr double k_least_seen_ratio = 0.25;
 constexpr double k_edge_along_mm = 2.5;
 /// A median's variance against a mean's: 2 / pi.
 constexpr double k_median_efficiency = 0.64;
+/// Where the tool goes is smooth along the line, standard deviation of its mean.
+constexpr double k_middle_along_mm = 2;
+/// A step or a groove makes ways on the surface longer by so much at most.
+constexpr double k_longer_way_mm = 6;
 /// Changed by so many times what one layer changes, surely: two layers.
 constexpr double k_doubled_ratio = 1.5;
 constexpr double k_sigmas_95 = 1.96;
@@ -54,6 +57,37 @@ std::optional<Refusal> refusal_of(const transfer::Moved& moved) {
   if (moved.u95_mm > 0) return std::nullopt;
   const bool other = moved.verdict == transfer::Moved::Verdict::OtherShoe;
   return Refusal{.code = other ? Refused::OtherShoe : Refused::NotSeen, .reason = moved.words};
+}
+
+/// How far the middle of the plan lies above where the plan's ways have it; of each station.  Empty: nobody
+/// says where the tool goes.
+std::vector<double> off_the_plan(const LineFrame& frame, const SurfaceWays& ways, const PlannedBand& plan,
+                                 double reach_mm) {
+  struct At {
+    double along_mm, off_mm;
+  };
+  std::vector<At> at;
+  for (const Vec3& middle : plan.middle_base) {
+    LineFrame::Place place;
+    if (!frame.place(middle, reach_mm, place)) continue;
+    at.push_back({.along_mm = frame.step_mm() * static_cast<double>(place.station) + place.along_mm,
+                  .off_mm = ways.way_mm(place.station, place.up_mm) - (plan.low_mm + plan.high_mm) / 2});
+  }
+  if (at.empty()) return {};
+  std::ranges::sort(at, {}, &At::along_mm);
+  // Straight from one to the next, and round.
+  std::vector<double> off(frame.size());
+  for (std::size_t i = 0; i < off.size(); ++i) {
+    const double mm = frame.step_mm() * static_cast<double>(i);
+    const auto found = std::ranges::upper_bound(at, mm, {}, &At::along_mm);
+    const auto next = static_cast<std::size_t>(found - at.begin());
+    const At &a = at[(next + at.size() - 1) % at.size()], &b = at[next % at.size()];
+    const double way_mm = std::fmod(b.along_mm - a.along_mm + frame.length_mm(), frame.length_mm()),
+                 here_mm = std::fmod(mm - a.along_mm + frame.length_mm(), frame.length_mm());
+    const double share = way_mm > 0 ? std::clamp(here_mm / way_mm, 0.0, 1.0) : 0;
+    off[i] = a.off_mm + share * (b.off_mm - a.off_mm);
+  }
+  return geometry::smooth_closed(off, k_middle_along_mm / frame.step_mm());
 }
 
 bool within(const Arc& arc, double mm) {
@@ -183,7 +217,9 @@ class Judge {
       seen_[i].push_back(
           {.kind = FaultKind::Missing, .low_mm = mm(inside[k - 1].end), .high_mm = mm(inside[k].first)});
     const Multiple multiple = multiple_of(bench_.change, bench_.expected.change[i], i, own_[i]);
-    if (multiple.ratio - k_sigmas_95 * multiple.sigma > k_doubled_ratio)
+    const bool twice =
+        std::ranges::any_of(bench_.plan.twice, [&](const Arc& arc) { return within(arc, place.along_mm); });
+    if (!twice && multiple.ratio - k_sigmas_95 * multiple.sigma > k_doubled_ratio)
       seen_[i].push_back(
           {.kind = FaultKind::Doubled, .low_mm = mm(own_[i].first), .high_mm = mm(own_[i].end)});
   }
@@ -340,18 +376,20 @@ Findings look_again(const cloud::PointCloud& first, const cloud::PointCloud& sec
   const LineFrame frame{line};
   Findings findings{.line_mm = frame.length_mm()};
   const double low_mm = plan.low_mm - k_beside_to_mm, high_mm = plan.high_mm + k_beside_to_mm;
+  const double longer_mm = plan.middle_base.empty() ? 0 : k_longer_way_mm;
   const RasterWish wish{
-      .reach_mm = std::max(std::abs(low_mm), std::abs(high_mm)),
+      .reach_mm = std::max(std::abs(low_mm), std::abs(high_mm)) + longer_mm,
       .across = {.low_mm = low_mm,
                  .cells = static_cast<std::size_t>(std::lround((high_mm - low_mm) / k_cell_mm))},
       .stripe = has_stripe(first) && has_stripe(second)};
-  const SurfaceWays ways{first, frame, wish.reach_mm};
+  SurfaceWays ways{first, frame, wish.reach_mm};
+  ways.count_from(off_the_plan(frame, ways, plan, wish.reach_mm));
   std::vector<Vec3> places;
   for (const cloud::LinePoint& p : line.points) places.push_back(p.position);
   const transfer::Moved moved =
       transfer::moved_since(without_band(first, frame, ways, plan, wish.reach_mm),
                             without_band(second, frame, ways, plan, wish.reach_mm), places);
-  findings.moved_words = moved.words;
+  findings.moved = moved;
   findings.refusal = refusal_of(moved);
   if (findings.refusal) return findings;
 

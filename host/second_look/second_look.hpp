@@ -13,6 +13,7 @@
 #include "host/cloud/closed_line.hpp"
 #include "host/cloud/point_cloud.hpp"
 #include "host/second_look/refused.hpp"
+#include "host/transfer/moved.hpp"
 
 namespace biteline::second_look {
 
@@ -24,7 +25,12 @@ struct Arc {
 /// What was to be done.
 struct PlannedBand {
   double low_mm{0}, high_mm{8};
+  /// Where the tool goes, the middle of what it leaves: places beside the line, base, in any order.  The band
+  /// lies about the surface beside them, and all ways across are counted so that this is (low + high) / 2.
+  /// Empty: ways are the surface's from the line, which a step or a groove makes longer.
+  std::vector<Vec3> middle_base{};
   std::vector<Arc> left_out{};
+  std::vector<Arc> twice{};  ///< worked more than once by the plan: nothing is doubled there
   /// An edge farther off the plan, its U95 taken off, is a fault.  An arm's path and a tool's edge are within
   /// half of it.
   double tolerance_mm{0.5};
@@ -81,11 +87,11 @@ struct Findings {
   std::vector<CannotTell> cannot_tell{};
   double line_mm{0};
   double planned_mm{0};
-  double worked_mm{0};        ///< of what was planned
-  double unclear_mm{0};       ///< likewise
-  double contrast_ratio{0};   ///< change over its noise at a place of the band, median along the line
-  double light_ratio{1};      ///< stripe's amplitude on unworked surface, second scan over first
-  std::string moved_words{};  ///< whether the shoe stands as it stood
+  double worked_mm{0};       ///< of what was planned
+  double unclear_mm{0};      ///< likewise
+  double contrast_ratio{0};  ///< change over its noise at a place of the band, median along the line
+  double light_ratio{1};     ///< stripe's amplitude on unworked surface, second scan over first
+  transfer::Moved moved{};   ///< whether the shoe stands as it stood, the band left out
 };
 
 /// Pre: the line has 3 points at least.  Where `first` or `second` has no amplitude or width, the surface's

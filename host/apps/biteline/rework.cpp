@@ -7,8 +7,8 @@
 #include "host/apps/biteline/cloud_option.hpp"
 #include "host/apps/biteline/command.hpp"
 #include "host/apps/biteline/plan_options.hpp"
-#include "host/apps/biteline/rework_files.hpp"
 #include "host/records/digest/digest.hpp"
+#include "host/records/look/rework_files.hpp"
 #include "host/records/results/coverage_result.hpp"
 #include "host/records/results/plan_result.hpp"
 #include "host/robot/path/zones.hpp"
@@ -18,6 +18,7 @@ namespace biteline::app {
 namespace {
 
 namespace fs = std::filesystem;
+using look::LookRead;
 using second_look::NoRework;
 using second_look::Rework;
 
@@ -30,7 +31,7 @@ struct ReworkOptions {
 
 /// The look is one of this line and this process: what it misses is theirs.
 Result<LookRead> read_own_look(const ReworkOptions& options) {
-  BITELINE_ASSIGN(LookRead look, read_look(options.look));
+  BITELINE_ASSIGN(LookRead look, look::read_look(options.look));
   BITELINE_ASSIGN(const std::string line, digest_of_file(options.first / "line.csv"));
   if (line != look.line_sha256)
     return fail(Errc::InvalidArgument, "%s looked at another line than that of %s", options.look.c_str(),
@@ -104,7 +105,7 @@ Result<ExitStatus> rework(const ReworkOptions& options, const GlobalOptions& glo
   report::Report report;
   BITELINE_TRY(results::prepare_plan_folder(options.out));
   BITELINE_ASSIGN(const LookRead look, read_own_look(options));
-  BITELINE_ASSIGN(const std::size_t before, reworks_of(options.first));
+  BITELINE_ASSIGN(const std::size_t before, look::reworks_of(options.first));
   const Rework pieces =
       second_look::rework_of(look.faults, look.plan, look.line_mm, {.narrow = options.narrow});
   report.fields["rework"] = rework_json(options, look, pieces);
@@ -117,7 +118,7 @@ Result<ExitStatus> rework(const ReworkOptions& options, const GlobalOptions& glo
                   report.timed("read", [&] { return read_request(options, look, pieces, report); }));
   const path::PlanOutcome outcome = report.timed("plan", [&] { return path::plan(request); });
   if (outcome.path)
-    BITELINE_TRY(record_rework(
+    BITELINE_TRY(look::record_rework(
         options.first,
         {.look_sha256 = look.sha256, .pieces = pieces.pieces.size(), .decided_by = options.decided_by}));
   BITELINE_TRY(report.timed_aside(

@@ -98,6 +98,21 @@ TEST(SecondLook, WhatIsLeftOutIsNotMissing) {
   CHECK_TRUE(std::ranges::none_of(found.faults, [](const Fault& f) { return f.kind == FaultKind::Missing; }));
 }
 
+TEST(SecondLook, WhatThePlanWorksTwiceIsNotDoubled) {
+  bench::WorkCase made = faulty();
+  made.plan.faults = {{.kind = Made::Double, .s_mm = 150, .length_mm = 10}};
+  const bench::MadeWork work = bench::make_work(made);
+  const auto doubled = [&](const PlannedBand& plan) {
+    const Findings found = look_again(work.first, work.second, work.line, plan);
+    return std::ranges::count(found.faults, FaultKind::Doubled, &Fault::kind);
+  };
+  LONGS_EQUAL(1, doubled(work.plan));
+  PlannedBand plan = work.plan;
+  const Arc& twice = work.faults[0].along;
+  plan.twice = {{.from_mm = twice.from_mm - 2, .to_mm = twice.to_mm + 2}};
+  LONGS_EQUAL(0, doubled(plan));
+}
+
 TEST(SecondLook, WorkWithoutATraceIsNotJudged) {
   bench::WorkCase made = faulty();
   made.work = sim::Work::Unseen;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "host/apps/biteline/inspect_files.hpp"
+#include "host/records/look/look_files.hpp"
 
 #include <algorithm>
 
 #include "common/core/fixed_text.hpp"
 
-namespace biteline::app {
+namespace biteline::look {
 namespace {
 
 using second_look::Arc;
@@ -103,7 +103,7 @@ nlohmann::ordered_json as_json(const Findings& findings, const second_look::Plan
           {"unclear_mm", findings.unclear_mm},
           {"contrast_ratio", findings.contrast_ratio},
           {"light_ratio", findings.light_ratio},
-          {"moved", findings.moved_words},
+          {"moved", findings.moved.words},
           {"faults", faults},
           {"cannot_tell", unclear}};
 }
@@ -142,4 +142,4 @@ std::string band_picture(const Findings& findings, const second_look::PlannedBan
   return svg + "</svg>\n";
 }
 
-}  // namespace biteline::app
+}  // namespace biteline::look

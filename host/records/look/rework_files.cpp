@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "host/apps/biteline/rework_files.hpp"
+#include "host/records/look/rework_files.hpp"
 
 #include <cerrno>
 #include <cmath>
@@ -12,7 +12,7 @@
 #include "host/records/report/json_text.hpp"
 #include "host/records/report/report.hpp"
 
-namespace biteline::app {
+namespace biteline::look {
 namespace {
 
 namespace fs = std::filesystem;
@@ -133,4 +133,4 @@ Result<void> record_rework(const fs::path& first, const ReworkRecord& rework) {
   return report::write_file_atomically(file, report::to_text(record));
 }
 
-}  // namespace biteline::app
+}  // namespace biteline::look

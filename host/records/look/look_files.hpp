@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file What `biteline inspect` writes beside report.json: the band as a table and as a picture.
+/// \file What a second look writes beside report.json: the band as a table and as a picture.
 
 #include <nlohmann/json.hpp>
 #include <string>
 
 #include "host/second_look/second_look.hpp"
 
-namespace biteline::app {
+namespace biteline::look {
 
 /// `work` of report.json.
 [[nodiscard]] nlohmann::ordered_json as_json(const second_look::Findings& findings,
@@ -18,4 +18,4 @@ namespace biteline::app {
 [[nodiscard]] std::string band_picture(const second_look::Findings& findings,
                                        const second_look::PlannedBand& plan);
 
-}  // namespace biteline::app
+}  // namespace biteline::look

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-/// \file What `biteline rework` reads of a look, and what it leaves beside the first scan.
+/// \file What a rework reads of a look, and what it leaves beside the first scan.
 
 #include <filesystem>
 #include <string>
@@ -9,9 +9,9 @@
 #include "common/core/result.hpp"
 #include "host/second_look/second_look.hpp"
 
-namespace biteline::app {
+namespace biteline::look {
 
-/// A report of `biteline inspect`.
+/// A report of a second look.
 struct LookRead {
   bool refused{false};
   std::string line_sha256, process_sha256, foot, sha256;  ///< the last one of the report itself
@@ -36,4 +36,4 @@ struct ReworkRecord {
 /// Writes down that it is, before its path is written.  The first one fails where another one was quicker.
 [[nodiscard]] Result<void> record_rework(const std::filesystem::path& first, const ReworkRecord& record);
 
-}  // namespace biteline::app
+}  // namespace biteline::look
