@@ -44,7 +44,7 @@ case "$check" in
       }
       // Each code that a row of the history can have has words: docs/formats.md lists them.
       const text = fs.readFileSync("../../docs/formats.md", "utf8").split("## Refusals")[1].split("## Exit status")[0];
-      const of_a_row = /^\| (a scan|the service|a transfer|a plan|the gate|following|a line)\b/;
+      const of_a_row = /^\| (a scan|the service|a transfer|a plan|the gate|following|a line|a second look)\b/;
       let codes = 0;
       for (const line of text.split("\n").filter((one) => of_a_row.test(one))) {
         const told = line.split("|")[2].replace(/\([^)]*\)/g, "");

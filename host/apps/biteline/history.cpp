@@ -89,6 +89,13 @@ nlohmann::ordered_json json_of(const memory::Scan& scan) {
           {"decision", scan.decision},
           {"decided_by", scan.decided_by},
           {"sent", scan.sent},
+          {"work", scan.work.verdict},
+          {"work_reworked", scan.work.reworked},
+          {"work_missing_mm", or_null(scan.work.missing_mm)},
+          {"work_narrow", scan.work.narrow},
+          {"work_wide", scan.work.wide},
+          {"work_beside", scan.work.beside},
+          {"work_doubled", scan.work.doubled},
           {"operator", scan.operator_name}};
 }
 

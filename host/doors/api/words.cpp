@@ -224,6 +224,14 @@ Json or_null(const std::optional<double>& number) {
   return number ? Json(*number) : Json{};
 }
 
+/// Null where no look was asked for.
+Json work_json(const memory::Work& work) {
+  if (work.verdict.empty()) return {};
+  return {{"verdict", work.verdict}, {"reworked", work.reworked}, {"missing_mm", or_null(work.missing_mm)},
+          {"narrow", work.narrow},   {"wide", work.wide},         {"beside", work.beside},
+          {"doubled", work.doubled}};
+}
+
 Json to_json(const memory::Scan& scan) {
   Json row{{"id", scan.name},
            {"time", memory::to_iso(scan.time)},
@@ -252,6 +260,7 @@ Json to_json(const memory::Scan& scan) {
            {"cycle_s", or_null(scan.cycle_s)},
            {"sent", scan.sent},
            {"followed", scan.followed ? Json(*scan.followed) : Json{}},
+           {"work", work_json(scan.work)},
            {"operator", or_null(scan.operator_name)},
            {"line_version", scan.line_version},
            {"kept", scan.marked}};

@@ -44,6 +44,11 @@ std::string yes(bool value) {
   return value ? "yes" : "no";
 }
 
+/// Nothing where no look was asked for.
+std::string count_of(const Work& work, int stretches) {
+  return work.verdict.empty() ? std::string{} : std::to_string(stretches);
+}
+
 nlohmann::ordered_json or_null(const std::optional<double>& number) {
   return number ? nlohmann::ordered_json(*number) : nlohmann::ordered_json{};
 }
@@ -64,12 +69,41 @@ std::optional<CsvStyle> csv_style(const std::string& separator, const std::strin
 Result<std::string> history_csv(const Memory& memory, ScanFilter filter, const CsvStyle& style,
                                 const FactoryDay& day) {
   // New columns come at the end.
-  constexpr std::array k_columns{
-      "time",      "scan",         "model",    "model_probability", "verdict", "reason_code",
-      "length_mm", "confidence",   "u95_mm",   "weak_stretches",    "scan_s",  "line_s",
-      "cycle_s",   "process",      "decision", "decided_by",        "sent",    "followed",
-      "operator",  "line_version", "reason",   "local_time",        "day",     "part",
-      "foot",      "size",         "ended_by", "tip_bound_mm"};
+  constexpr std::array k_columns{"time",
+                                 "scan",
+                                 "model",
+                                 "model_probability",
+                                 "verdict",
+                                 "reason_code",
+                                 "length_mm",
+                                 "confidence",
+                                 "u95_mm",
+                                 "weak_stretches",
+                                 "scan_s",
+                                 "line_s",
+                                 "cycle_s",
+                                 "process",
+                                 "decision",
+                                 "decided_by",
+                                 "sent",
+                                 "followed",
+                                 "operator",
+                                 "line_version",
+                                 "reason",
+                                 "local_time",
+                                 "day",
+                                 "part",
+                                 "foot",
+                                 "size",
+                                 "ended_by",
+                                 "tip_bound_mm",
+                                 "work",
+                                 "work_reworked",
+                                 "work_missing_mm",
+                                 "work_narrow",
+                                 "work_wide",
+                                 "work_beside",
+                                 "work_doubled"};
   const Cells cell{style};
   std::string csv = style.byte_mark ? "\xEF\xBB\xBF" : "";
   for (std::size_t i = 0; i < k_columns.size(); ++i) {
@@ -82,34 +116,42 @@ Result<std::string> history_csv(const Memory& memory, ScanFilter filter, const C
   while (true) {
     BITELINE_ASSIGN(const ScanPage page, memory.scans(filter));
     for (const Scan& scan : page.scans) {
-      const std::array<std::string, k_columns.size()> cells{to_iso(scan.time),
-                                                            cell.of(scan.name),
-                                                            cell.of(scan.model),
-                                                            cell.of(scan.model_probability),
-                                                            cell.of(scan.verdict),
-                                                            cell.of(scan.reason_code),
-                                                            cell.of(scan.length_mm),
-                                                            cell.of(scan.confidence),
-                                                            cell.of(scan.u95_mm),
-                                                            std::to_string(scan.weak_stretches),
-                                                            cell.of(scan.scan_s),
-                                                            cell.of(scan.line_s),
-                                                            cell.of(scan.cycle_s),
-                                                            cell.of(scan.process),
-                                                            cell.of(scan.decision),
-                                                            cell.of(scan.decided_by),
-                                                            yes(scan.sent),
-                                                            scan.followed ? yes(*scan.followed) : "",
-                                                            cell.of(scan.operator_name),
-                                                            std::to_string(scan.line_version),
-                                                            cell.of(scan.reason),
-                                                            local_time(scan.time),
-                                                            day.name_of(scan.time),
-                                                            cell.of(scan.part),
-                                                            cell.of(scan.foot),
-                                                            cell.of(scan.size),
-                                                            report::name_of(ended_by(scan)),
-                                                            cell.of(scan.tip_bound_mm)};
+      const std::array<std::string, k_columns.size()> cells{
+          to_iso(scan.time),
+          cell.of(scan.name),
+          cell.of(scan.model),
+          cell.of(scan.model_probability),
+          cell.of(scan.verdict),
+          cell.of(scan.reason_code),
+          cell.of(scan.length_mm),
+          cell.of(scan.confidence),
+          cell.of(scan.u95_mm),
+          std::to_string(scan.weak_stretches),
+          cell.of(scan.scan_s),
+          cell.of(scan.line_s),
+          cell.of(scan.cycle_s),
+          cell.of(scan.process),
+          cell.of(scan.decision),
+          cell.of(scan.decided_by),
+          yes(scan.sent),
+          scan.followed ? yes(*scan.followed) : "",
+          cell.of(scan.operator_name),
+          std::to_string(scan.line_version),
+          cell.of(scan.reason),
+          local_time(scan.time),
+          day.name_of(scan.time),
+          cell.of(scan.part),
+          cell.of(scan.foot),
+          cell.of(scan.size),
+          report::name_of(ended_by(scan)),
+          cell.of(scan.tip_bound_mm),
+          cell.of(scan.work.verdict),
+          scan.work.verdict.empty() ? "" : yes(scan.work.reworked),
+          cell.of(scan.work.missing_mm),
+          count_of(scan.work, scan.work.narrow),
+          count_of(scan.work, scan.work.wide),
+          count_of(scan.work, scan.work.beside),
+          count_of(scan.work, scan.work.doubled)};
       for (std::size_t i = 0; i < cells.size(); ++i) {
         if (i > 0) csv += style.separator;
         csv += cells[i];

@@ -29,6 +29,15 @@ using UnixMs = std::int64_t;
 [[nodiscard]] std::string to_iso(UnixMs time);                         ///< "2026-11-20T21:04:05.123Z"
 [[nodiscard]] std::optional<UnixMs> from_iso(const std::string& iso);  ///< also "2026-11-20"
 
+/// What a look after the work told of it.
+struct Work {
+  std::string verdict;   ///< looking, ok, faulty, unsure, refused, not_looked; empty: no look was asked for
+  bool reworked{false};  ///< what was missing was worked once more before the last look
+  std::optional<double> missing_mm{};             ///< along the line, at the last look; absent: no look told
+  int narrow{0}, wide{0}, beside{0}, doubled{0};  ///< stretches
+  bool operator==(const Work&) const = default;
+};
+
 /// One shoe.  Texts are empty and numbers absent where nothing is known.
 struct Scan {
   std::string name;  ///< of its folder: scan-0007
@@ -54,10 +63,11 @@ struct Scan {
   std::string why;  ///< of the decision
   bool sent{false};
   std::optional<bool> followed{};  ///< false: sent, but not to its end
-  int line_version{0};             ///< 0: as found; above: mended
-  bool marked{false};              ///< never deleted by itself
-  std::string versions;            ///< JSON: programs, process, model
-  std::string details;             ///< JSON: what does not stand in a column
+  Work work{};
+  int line_version{0};   ///< 0: as found; above: mended
+  bool marked{false};    ///< never deleted by itself
+  std::string versions;  ///< JSON: programs, process, model
+  std::string details;   ///< JSON: what does not stand in a column
 };
 
 /// SHA-256 of what a person looks at and the arm is sent, as the service wrote it; empty: not there.

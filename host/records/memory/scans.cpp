@@ -15,7 +15,8 @@ constexpr const char* k_scan_columns =
     "id, name, time, model, model_probability, verdict, reason_code, length_mm, confidence, u95_mm, "
     "weak_stretches, scan_s, line_s, cycle_s, operator, process, decision, decided_by, decided_at, sent, "
     "followed, "
-    "line_version, marked, reason, next_step, why, part, foot, size, tip_bound_mm";
+    "line_version, marked, reason, next_step, why, part, foot, size, tip_bound_mm, work, "
+    "work_reworked, work_missing_mm, work_narrow, work_wide, work_beside, work_doubled";
 constexpr const char* k_scan_tables = " FROM scans LEFT JOIN scan_texts ON scan = id";
 
 Scan scan_of(const Statement& row) {
@@ -49,6 +50,13 @@ Scan scan_of(const Statement& row) {
   scan.foot = row.text(27);
   scan.size = row.text(28);
   scan.tip_bound_mm = row.number_if(29);
+  scan.work = {.verdict = row.text(30),
+               .reworked = row.integer(31) != 0,
+               .missing_mm = row.number_if(32),
+               .narrow = static_cast<int>(row.integer(33)),
+               .wide = static_cast<int>(row.integer(34)),
+               .beside = static_cast<int>(row.integer(35)),
+               .doubled = static_cast<int>(row.integer(36))};
   return scan;
 }
 
@@ -56,8 +64,9 @@ Scan scan_of(const Statement& row) {
 constexpr const char* k_put_scan = R"sql(
 INSERT INTO scans (name, time, model, model_probability, verdict, reason_code, length_mm, confidence, u95_mm,
   weak_stretches, scan_s, line_s, cycle_s, operator, process, decision, decided_by, decided_at, sent, followed,
-  line_version, marked, part, foot, size, tip_bound_mm)
-VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)
+  line_version, marked, part, foot, size, tip_bound_mm, work, work_reworked, work_missing_mm, work_narrow,
+  work_wide, work_beside, work_doubled)
+VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)
 ON CONFLICT (name) DO UPDATE SET time = excluded.time, model = excluded.model,
   model_probability = excluded.model_probability, verdict = excluded.verdict, reason_code = excluded.reason_code,
   length_mm = excluded.length_mm, confidence = excluded.confidence, u95_mm = excluded.u95_mm,
@@ -66,7 +75,9 @@ ON CONFLICT (name) DO UPDATE SET time = excluded.time, model = excluded.model,
   decision = excluded.decision, decided_by = excluded.decided_by, decided_at = excluded.decided_at,
   sent = excluded.sent, followed = excluded.followed, line_version = excluded.line_version,
   part = excluded.part, foot = excluded.foot, size = excluded.size,
-  tip_bound_mm = excluded.tip_bound_mm
+  tip_bound_mm = excluded.tip_bound_mm, work = excluded.work, work_reworked = excluded.work_reworked,
+  work_missing_mm = excluded.work_missing_mm, work_narrow = excluded.work_narrow,
+  work_wide = excluded.work_wide, work_beside = excluded.work_beside, work_doubled = excluded.work_doubled
 )sql";
 
 Result<std::int64_t> id_of(Database& database, const std::string& name) {
@@ -105,6 +116,8 @@ Result<void> Memory::put_scan(const Scan& scan, const LogRow& event, const std::
     }
     put.bind(scan.line_version).bind(scan.marked ? 1 : 0);
     put.bind(scan.part).bind(scan.foot).bind(scan.size).bind(scan.tip_bound_mm);
+    put.bind(scan.work.verdict).bind(scan.work.reworked ? 1 : 0).bind(scan.work.missing_mm);
+    put.bind(scan.work.narrow).bind(scan.work.wide).bind(scan.work.beside).bind(scan.work.doubled);
     BITELINE_TRY(put.run());
     BITELINE_ASSIGN(const std::int64_t id, id_of(*database_, scan.name));
     BITELINE_ASSIGN(Statement texts,

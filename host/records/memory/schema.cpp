@@ -166,6 +166,16 @@ ALTER TABLE scans ADD COLUMN tip_bound_mm REAL;
     R"sql(
 ALTER TABLE log ADD COLUMN link TEXT NOT NULL DEFAULT '';
 )sql",
+    // What a look after the work told.
+    R"sql(
+ALTER TABLE scans ADD COLUMN work TEXT NOT NULL DEFAULT '';
+ALTER TABLE scans ADD COLUMN work_reworked INTEGER NOT NULL DEFAULT 0;
+ALTER TABLE scans ADD COLUMN work_missing_mm REAL;
+ALTER TABLE scans ADD COLUMN work_narrow INTEGER NOT NULL DEFAULT 0;
+ALTER TABLE scans ADD COLUMN work_wide INTEGER NOT NULL DEFAULT 0;
+ALTER TABLE scans ADD COLUMN work_beside INTEGER NOT NULL DEFAULT 0;
+ALTER TABLE scans ADD COLUMN work_doubled INTEGER NOT NULL DEFAULT 0;
+)sql",
 };
 
 Result<int> version_of(Database& database) {

@@ -18,7 +18,8 @@ const worst_first = ['fault', 'warning', 'unknown'];
 
 /// The lamps that this cell has, in their order.
 export function lamps_of(lamps: Lamp): (keyof Lamp)[] {
-  return lamps.centre ? [...order, 'centre'] : [...order];
+  const more = (['work', 'centre'] as const).filter((name) => lamps[name]);
+  return [...order, ...more];
 }
 
 export function Lamps({ lamps }: { lamps: Lamp }): JSX.Element {

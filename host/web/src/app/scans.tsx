@@ -249,6 +249,16 @@ function TrendView(props: { from?: string; to?: string; model: string }): JSX.El
   );
 }
 
+/// What a look after the work told, in one line.
+function work_words(work: NonNullable<Scan['work']>): string {
+  const counts = (['narrow', 'wide', 'beside', 'doubled'] as const)
+    .filter((kind) => work[kind] > 0)
+    .map((kind) => `${work[kind]} × ${t(`work_${kind}`)}`);
+  const missing = work.missing_mm ? [`${t('work_missing')} ${number(work.missing_mm, 1)} mm`] : [];
+  const again = work.reworked ? [t('work_reworked')] : [];
+  return [t(`work_${work.verdict}`), ...missing, ...counts, ...again].join(', ');
+}
+
 export function OneScan({ id }: { id: string }): JSX.Element {
   const { value: scan, error } = use_reading<Scan>(`/scans/${id}`);
   const { value: listed } = use_reading<{ files: File[] }>(`/scans/${id}/files`);
@@ -291,6 +301,7 @@ export function OneScan({ id }: { id: string }): JSX.Element {
                       ? t('sent')
                       : t('no'),
               ],
+              ...(scan.work ? [[t('work'), work_words(scan.work)] as [string, string]] : []),
               [
                 t('times'),
                 `${t('scan')} ${number(scan.scan_s, 1)} s, ${t('layer_line')} ${number(scan.line_s, 2)} s, ${t('cycle')} ${number(scan.cycle_s, 1)} s`,

@@ -65,6 +65,13 @@ TEST(Memory, ScanComesBackWithAllThatWasKnown) {
   scan.decided_at = 1'700'000'001'000;
   scan.details = "{\"a\":1}";
   scan.reason = "none";
+  scan.work = {.verdict = "faulty",
+               .reworked = true,
+               .missing_mm = 3.5,
+               .narrow = 1,
+               .wide = 2,
+               .beside = 3,
+               .doubled = 4};
   SUCCEEDS(memory.put_scan(scan, by_service("result")));
   const auto back = memory.scan("scan-0001");
   SUCCEEDS(back);
@@ -80,6 +87,7 @@ TEST(Memory, ScanComesBackWithAllThatWasKnown) {
   STRCMP_EQUAL("looked", (*back)->why.c_str());
   LONGS_EQUAL(2, (*back)->weak_stretches);
   STRCMP_EQUAL("ana", (*back)->decided_by.c_str());
+  CHECK((*back)->work == scan.work);
   CHECK(*(*back)->decided_at == 1'700'000'001'000);
   STRCMP_EQUAL("{\"a\":1}", (*back)->details.c_str());
   CHECK(!memory.scan("scan-0002")->has_value());
@@ -315,7 +323,10 @@ TEST(Memory, ShoesOfBeforeTheOutboxAreInItOnce) {
         "'outbox'; DROP INDEX scans_part; ALTER TABLE scans DROP COLUMN part; ALTER TABLE "
         "scans DROP COLUMN foot; ALTER TABLE scans DROP COLUMN size; ALTER TABLE scans DROP COLUMN "
         "tip_bound_mm; DROP TABLE teaching_scans; DROP TABLE teaching_deeds; DROP TABLE teachings; DROP "
-        "INDEX scans_held; ALTER TABLE log DROP COLUMN link; PRAGMA user_version = 1"));
+        "INDEX scans_held; ALTER TABLE log DROP COLUMN link; ALTER TABLE scans DROP COLUMN work; ALTER TABLE scans DROP COLUMN work_reworked; "
+        "ALTER TABLE scans DROP COLUMN work_missing_mm; ALTER TABLE scans DROP COLUMN work_narrow; ALTER "
+        "TABLE scans DROP COLUMN work_wide; ALTER TABLE scans DROP COLUMN work_beside; ALTER TABLE scans "
+        "DROP COLUMN work_doubled; PRAGMA user_version = 1"));
   }
   CHECK(!Outbox::open(file));
   Memory memory = opened();
