@@ -15,6 +15,7 @@
 #include "common/config/sensor_yaml.hpp"
 #include "common/options/command.hpp"
 #include "hal/sim/app/command.hpp"
+#include "hal/sim/app/tool_options.hpp"
 #include "hal/sim/app/world_options.hpp"
 #include "hal/sim/bus/board_file.hpp"
 #include "hal/sim/live/live_cell.hpp"
@@ -28,6 +29,7 @@ namespace {
 struct ServeOptions {
   SceneOptions scene{.size = 42, .straight_holder = false, .speed_mm_s = 50, .rate_hz = 50};
   WorldOptions world;
+  ToolOptions tool;
   std::string out;
   std::string wires;
   std::string camera{"127.0.0.1"};
@@ -119,6 +121,8 @@ Result<void> serve(const ServeOptions& options) {
   set_surroundings(scene, options.world);
   sim::LiveSettings settings;
   settings.disturbances = disturbances_of(options.world);
+  settings.tool = working_tool(options.tool);
+  scene.will_be_worked = settings.tool.has_value();
   settings.scene = scene;
   settings.wires = options.wires.empty() ? "biteline-cell-" + std::to_string(getpid()) : options.wires;
   settings.camera_address = options.camera;
@@ -173,6 +177,7 @@ Result<void> serve(const ServeOptions& options) {
   int signal_number = 0;
   sigwait(&signals, &signal_number);
   BITELINE_TRY(cell->write_track(out / "track.csv"));
+  BITELINE_TRY(cell->write_work(out / "truth"));
   print_counts(cell->counts());
   return {};
 }
@@ -187,6 +192,7 @@ void add_serve(options::Command& app, Context& context) {
   add_light_options(*command, options->scene.light);
   add_way_round_options(*command, options->scene);
   add_world_options(*command, options->world);
+  add_tool_options(*command, options->tool);
   command
       ->add_option("--out", options->out,
                    "Folder for board.yaml, sensor.yaml, truth/ and, at the end, track.csv")

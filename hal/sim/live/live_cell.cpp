@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <utility>
 
 #include "common/canpose/pose_frames.hpp"
 #include "hal/sim/live/slow_motion.hpp"
@@ -83,13 +84,15 @@ LiveCell::LiveCell(const LiveSettings& settings, std::unique_ptr<MadeScene> scen
                          -ScanWay{scene_->path.length_mm(), scene_->path.settings().speed_mm_s}.ramp_mm()))),
       renderer_(scene_->scene, scene_->head),
       targets_(settings.targets ? std::make_unique<TargetShow>(scene_->head, *settings.targets) : nullptr),
-      pose_noise_(Random(settings.scene.shoe.seed).fork(77)) {}
+      pose_noise_(Random(settings.scene.shoe.seed).fork(77)),
+      trace_(settings.tool ? std::make_unique<WorkTrace>(*scene_, *settings.tool) : nullptr) {}
 
 LiveCell::~LiveCell() {
   // They call into each other: the wires hear nobody any more, then the callers end, then what they called.
   if (bus_) bus_->close();
   trigger_.reset();
   robot_.reset();
+  if (tracing_.valid()) tracing_.wait();
   camera_.reset();
   bus_.reset();
 }
@@ -234,6 +237,7 @@ void LiveCell::paint(const GvExposure& exposure, std::span<std::uint8_t> pixels)
             .noise_seed = settings_.scene.shoe.seed * 1'000'003 + exposure.sequence};
   disturb(shot, settings_.disturbances, T_shoe_cam_at(exposure.begin),
           T_shoe_cam_at(exposure.begin + exposure.exposure), seconds(exposure.begin.time_since_epoch()));
+  const std::lock_guard lock{scene_mutex_};
   renderer_.render(shot, pixels, nullptr);
 }
 
@@ -343,10 +347,42 @@ LiveCell::ScanMotion LiveCell::flange_scan(const SE3& T_base_flange_from) const 
           .full_until_s = scanned_s - k_ramp_s};
 }
 
+void LiveCell::leave_trace(SensorClock::time_point instant, const ArmState& state, const ArmReal& real) {
+  if (!trace_ || trace_due_) return;
+  const Nanoseconds since = instant - std::exchange(trace_at_, instant);
+  constexpr Nanoseconds k_longest{100'000'000};  // after a time in which nothing was looked at
+  trace_->step(state, real.T_base_flange, seconds(std::clamp(since, Nanoseconds{0}, k_longest)));
+  if (!trace_->due()) return;
+  trace_due_ = true;
+  tracing_ = std::async(std::launch::async, [this] { work_shoe(); });
+}
+
+void LiveCell::work_shoe() {
+  be_patient();
+  MadeShoe worked = trace_->lay();
+  Result<Scene> scene = Scene::build(meshes_of(worked, settings_.scene).all);
+  const std::lock_guard lock{scene_mutex_};
+  // Without memory for it the shoe stays as it was.
+  if (scene) {
+    scene_->scene = std::move(*scene);
+    worked_.emplace(std::move(worked));
+  }
+  trace_due_ = false;
+}
+
+Result<void> LiveCell::write_work(const std::filesystem::path& folder) {
+  const std::lock_guard lock{scene_mutex_};
+  if (!worked_) return {};
+  return write_line_truth(folder,
+                          {.shoe = *worked_, .T_base_shoe = scene_->T_base_shoe, .line = scene_->line});
+}
+
 void LiveCell::on_cycle(SensorClock::time_point instant, const ArmState& state, const ArmReal& real) {
   const std::int64_t now_ns = instant.time_since_epoch().count();
   std::int64_t asked_ns = scan_at_ns_;
-  if (asked_ns != 0 && now_ns >= asked_ns && scan_at_ns_.compare_exchange_strong(asked_ns, 0)) {
+  leave_trace(instant, state, real);
+  if (asked_ns != 0 && now_ns >= asked_ns && !trace_due_ &&
+      scan_at_ns_.compare_exchange_strong(asked_ns, 0)) {
     ScanMotion scan = scan_motion(state);
     const auto at_ns = [&](double scan_s) {
       return (instant + nanoseconds(scan_s / time_ratio())).time_since_epoch().count();

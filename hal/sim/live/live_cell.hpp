@@ -5,7 +5,9 @@
 #include <atomic>
 #include <filesystem>
 #include <functional>
+#include <future>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <thread>
@@ -20,6 +22,7 @@
 #include "hal/sim/live/slow_motion.hpp"
 #include "hal/sim/live/target_show.hpp"
 #include "hal/sim/live/trigger_timer.hpp"
+#include "hal/sim/live/work_trace.hpp"
 #include "hal/sim/record/disturbances.hpp"
 #include "hal/sim/record/made_scene.hpp"
 #include "hal/sim/record/surroundings.hpp"
@@ -54,6 +57,8 @@ struct LiveSettings {
   bool stay_at_end{false};
   /// Told each pose beside the bus, with its noise, on the controller's thread: for another maker's language.
   std::function<void(SensorClock::time_point, const SE3& T_base_flange)> on_pose{};
+  /// What the arm's tool leaves on the shoe; nothing: it leaves no trace.
+  std::optional<WorkingTool> tool{};
   bool keep_track{true};  ///< for write_track(); memory grows with the arm's way
 };
 
@@ -71,6 +76,9 @@ struct LiveCounts {
 /// A head on a bracket goes as the arm's joints can take it (ArmScan); places where they cannot are passed
 /// over for others.  A straight holder's goes as if the arm had no links: no upright arm takes it all the way
 /// round.
+///
+/// With a tool that leaves a trace (LiveSettings::tool) the shoe changes once the program has ended that
+/// worked it, and the next scan sees it so; it sets out when the shoe is ready.
 ///
 /// Threads: the camera's (renders), the robot's (cycle, pose bus), the wires', the trigger's, real-time ones
 /// where this process may (urgency.hpp).  Public methods: any.
@@ -132,6 +140,8 @@ class LiveCell {
   [[nodiscard]] Result<void> write_track(const std::filesystem::path& file) const {
     return track_.write(file);
   }
+  /// The truth of what its tool has left so far, as write_line_truth(); nothing where it leaves no trace.
+  [[nodiscard]] Result<void> write_work(const std::filesystem::path& folder);
 
  private:
   LiveCell(const LiveSettings& settings, std::unique_ptr<MadeScene> scene, const ArmKinematics& kinematics,
@@ -141,6 +151,9 @@ class LiveCell {
   void paint(const GvExposure& exposure, std::span<std::uint8_t> pixels);
   void on_line(Line line, bool active, SensorClock::time_point stamp);
   void on_cycle(SensorClock::time_point instant, const ArmState& state, const ArmReal& real);
+  /// The controller's thread: what the tool does, and the shoe anew once its program has ended.
+  void leave_trace(SensorClock::time_point instant, const ArmState& state, const ArmReal& real);
+  void work_shoe();
   void send_pose(SensorClock::time_point instant, const ArmState& state, const SE3& T_base_flange_told);
   [[nodiscard]] double measured_time_ratio();
   void slow_down_where_late();
@@ -171,6 +184,12 @@ class LiveCell {
   std::uint8_t sync_counter_{0};               ///< controller's thread
   Random pose_noise_;                          ///< controller's thread
   CellTrack track_;
+  std::unique_ptr<WorkTrace> trace_;              ///< none: the tool leaves none
+  std::optional<MadeShoe> worked_;                ///< the shoe with it
+  std::mutex scene_mutex_;                        ///< of the scene's surface, between pictures
+  std::atomic<bool> trace_due_{false};            ///< the shoe is made anew; no scan sets out before
+  std::future<void> tracing_;                     ///< controller's thread
+  SensorClock::time_point trace_at_{};            ///< controller's thread
   Nanoseconds period_asked_{0}, pulse_asked_{0};  ///< wires' thread
   std::atomic<bool> ready_{false};                ///< every part exists
   std::unique_ptr<BusServer> bus_;

@@ -11,6 +11,12 @@ namespace biteline::sim {
 inline constexpr int k_wires_priority = 90, k_trigger_priority = 89, k_robot_priority = 35,
                      k_camera_priority = 30;
 
+/// Of a thread that a real-time one has made: nothing of what it does is hardware's.
+inline void be_patient() {
+  const sched_param none{.sched_priority = 0};
+  (void)sched_setscheduler(0, SCHED_OTHER, &none);
+}
+
 /// Threads made while it lives inherit the priority, where this process may have it; else they are as all
 /// others.
 class Urgently {

@@ -109,18 +109,24 @@ PlacedShoe place_shoe(const SceneSettings& settings) {
           .line = std::move(line)};
 }
 
+SceneMeshes meshes_of(const MadeShoe& shoe, const SceneSettings& settings) {
+  MeshFineness fineness = settings.fineness;
+  if (settings.work || settings.will_be_worked)
+    fineness.fine_band_mm = std::max(fineness.fine_band_mm, k_worked_band_mm);
+  SceneMeshes meshes{.shoe = mesh_of(shoe, fineness), .all = {}};
+  meshes.all = meshes.shoe;
+  if (settings.surroundings) add_surroundings(meshes.all, shoe.outline());
+  return meshes;
+}
+
 Result<std::unique_ptr<MadeScene>> make_scene(const SceneSettings& settings) {
   PlacedShoe placed = place_shoe(settings);
   MadeHead head = draw_head(settings.head_seed, settings.holder);
   head.model.rate_hz = settings.rate_hz;
   head.faults.ambient_grey = settings.ambient_grey;
   set_light(head, settings.light);
-  MeshFineness fineness = settings.fineness;
-  if (settings.work) fineness.fine_band_mm = std::max(fineness.fine_band_mm, k_worked_band_mm);
-  SurfaceMesh mesh = mesh_of(placed.shoe, fineness);
-  SurfaceMesh seen = mesh;
-  if (settings.surroundings) add_surroundings(seen, placed.shoe.outline());
-  BITELINE_ASSIGN(Scene scene, Scene::build(seen));
+  SceneMeshes meshes = meshes_of(placed.shoe, settings);
+  BITELINE_ASSIGN(Scene scene, Scene::build(meshes.all));
   const ScanPathSettings path{.target_z_mm = 0.55 * settings.shoe.upper.top_z_mm,
                               .speed_mm_s = settings.scan_speed_mm_s,
                               .turn_over_mm = settings.holder == Holder::Bracket
@@ -129,8 +135,8 @@ Result<std::unique_ptr<MadeScene>> make_scene(const SceneSettings& settings) {
                               .begin_mm = settings.scan_begin_ratio * placed.shoe.outline().perimeter_mm(),
                               .check = settings.check};
   ScanPath scan_path(placed.shoe.outline(), head, path);
-  return std::make_unique<MadeScene>(
-      MadeScene{std::move(placed), settings, head, std::move(mesh), std::move(scene), std::move(scan_path)});
+  return std::make_unique<MadeScene>(MadeScene{std::move(placed), settings, head, std::move(meshes.shoe),
+                                               std::move(scene), std::move(scan_path)});
 }
 
 Result<void> write_line_truth(const std::filesystem::path& folder, const PlacedShoe& placed) {

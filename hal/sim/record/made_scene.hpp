@@ -39,6 +39,7 @@ struct WorkDone {
 struct SceneSettings {
   ShoeParameters shoe{};  ///< as it was before any work
   std::optional<WorkDone> work{};
+  bool will_be_worked{false};   ///< its mesh is as fine as a film's edges from the beginning
   std::uint64_t place_seed{1};  ///< where the shoe stands
   PlaceRange places{};
   std::uint64_t head_seed{21};
@@ -61,6 +62,11 @@ struct PlacedShoe {
   std::vector<TrueLinePoint> line;  ///< empty: there is none; of the shoe before it was worked
 };
 [[nodiscard]] PlacedShoe place_shoe(const SceneSettings& settings);
+/// What rays meet of a shoe, with what it stands on where the settings have that; first the shoe alone.
+struct SceneMeshes {
+  SurfaceMesh shoe, all;
+};
+[[nodiscard]] SceneMeshes meshes_of(const MadeShoe& shoe, const SceneSettings& settings);
 
 struct MadeScene : PlacedShoe {
   SceneSettings settings;

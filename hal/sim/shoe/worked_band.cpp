@@ -139,6 +139,9 @@ BandHere band_at(const WorkedBand& band, double s_mm) {
   BandHere here{.edges = {.low_z_mm = a.low_z_mm + share * (b.low_z_mm - a.low_z_mm),
                           .high_z_mm = a.high_z_mm + share * (b.high_z_mm - a.high_z_mm)},
                 .layers = 1};
+  if (!band.laid.empty())
+    here.layers =
+        (1 - share) * double{band.laid[before]} + share * double{band.laid[(before + 1) % band.laid.size()]};
   const auto in_mm = [&](const WorkedBand::Piece& piece) {
     return piece.half_mm - std::abs(way_mm(piece.s_mm, s_mm, band.perimeter_mm));
   };
@@ -151,6 +154,26 @@ BandHere band_at(const WorkedBand& band, double s_mm) {
     here.drops.back().half_z_mm *= std::sqrt(1 - along * along);
   }
   return here;
+}
+
+WorkedBand::Edges edges_about(const Section& section, double z_mm, double half_width_mm) {
+  constexpr double k_chord_mm = 0.25;
+  const auto walk = [&](double step_mm) {
+    double way_mm = 0, z = z_mm;
+    Vec3 last = section.point(z);
+    while (way_mm < half_width_mm) {
+      const double next = std::clamp(z + step_mm, section.bottom_z_mm(), section.top_z_mm());
+      if (next == z) break;
+      const Vec3 here = section.point(next);
+      const double chord_mm = (here - last).norm();
+      if (way_mm + chord_mm >= half_width_mm) return z + (next - z) * (half_width_mm - way_mm) / chord_mm;
+      way_mm += chord_mm;
+      z = next;
+      last = here;
+    }
+    return z;
+  };
+  return {.low_z_mm = walk(-k_chord_mm), .high_z_mm = walk(k_chord_mm)};
 }
 
 WorkedBand lay_band(const MadeShoe& unworked, std::span<const TrueLinePoint> line, const BandPlan& plan,

@@ -14,6 +14,7 @@
 namespace biteline::sim {
 
 class MadeShoe;
+class Section;
 struct TrueLinePoint;
 
 enum class Work : std::uint8_t {
@@ -76,6 +77,7 @@ struct WorkedBand {
   Film film{};
   double perimeter_mm{1};
   std::vector<Edges> edges{};  ///< evenly spaced along the outline, from s = 0
+  std::vector<float> laid{};   ///< layers at each of them; empty: one everywhere
   std::vector<Piece> gaps{}, doubled{};
   std::vector<Drop> drops{};
 };
@@ -90,6 +92,9 @@ struct BandHere {
   [[nodiscard]] double layers_at(double z_mm) const;
 };
 [[nodiscard]] BandHere band_at(const WorkedBand& band, double s_mm);
+
+/// Where the surface lies so far to either side of a height of this section, along the surface.
+[[nodiscard]] WorkedBand::Edges edges_about(const Section& section, double z_mm, double half_width_mm);
 
 /// The band of this plan.  `line` is the unworked shoe's, evenly spaced along the outline from s = 0.
 [[nodiscard]] WorkedBand lay_band(const MadeShoe& unworked, std::span<const TrueLinePoint> line,
