@@ -49,7 +49,8 @@ constexpr auto k_shoe_rows = [] {
       {InAir, Works, Working},     {InAir, Done, None},     {InAir, Stop, InAir},
       {InAir, Holds, Held},
       {Following, Works, Working}, {Following, Done, None}, {Following, Stop, Following},
-      {Following, Holds, Held}});
+      {Following, Holds, Held},    {Following, Inspects, Inspecting},
+      {Inspecting, Works, Working}, {Inspecting, Done, None}, {Inspecting, Stop, Inspecting}});
 }();
 
 constexpr auto k_going_rows = [] {
@@ -58,7 +59,9 @@ constexpr auto k_going_rows = [] {
   return std::to_array<Row<Going>>({
       {Goes, Start, Goes},          {Goes, Stop, Stopped},          {Goes, Spent, WaitsForStart},
       {WaitsForStart, Start, Goes}, {WaitsForStart, Stop, Stopped}, {WaitsForStart, Spent, WaitsForStart},
-      {Stopped, Start, Goes},       {Stopped, Stop, Stopped},       {Stopped, Spent, Stopped}});
+      {Stopped, Start, Goes},       {Stopped, Stop, Stopped},       {Stopped, Spent, Stopped},
+      {Goes, AsksPerson, WaitsForStart}, {WaitsForStart, AsksPerson, WaitsForStart},
+      {Stopped, AsksPerson, Stopped}});
 }();
 // clang-format on
 
@@ -86,6 +89,7 @@ bool CellMachine::on(CellEvent event) {
 
 bool CellMachine::may_ask() const {
   if (sensing_ != Sensing::Idle) return false;
+  if (shoe_ == Shoe::Inspecting) return going_ != Going::Stopped;
   return shoe_ == Shoe::Looking || (shoe_ == Shoe::None && going_ == Going::Goes);
 }
 
@@ -96,7 +100,8 @@ CellState CellMachine::state(Hindrance hindrance) const {
   if (shoe_ == Shoe::Accepted) return CellState::Following;
   if (shoe_ == Shoe::Held) return CellState::Held;
   if (shoe_ == Shoe::Working || shoe_ == Shoe::Planning) return CellState::Working;
-  if (sensing_ == Sensing::Scanning || shoe_ == Shoe::Looking) return CellState::Scanning;
+  const bool looks = shoe_ == Shoe::Looking || shoe_ == Shoe::Inspecting;
+  if (sensing_ == Sensing::Scanning || looks) return CellState::Scanning;
   if (sensing_ == Sensing::Starting) return CellState::Starting;
   if (sensing_ == Sensing::Away) return CellState::NoSensor;
   if (hindrance == Hindrance::Robot) return CellState::NotReady;

@@ -21,13 +21,14 @@ enum class Sensing : std::uint8_t {
 /// Of the scan whose end is in.
 enum class Shoe : std::uint8_t {
   None,
-  Working,    ///< its line and path are worked out
-  Held,       ///< it waits for a person
-  Planning,   ///< it was held: a person's word is worked out, and then it is held again, or goes on
-  Looking,    ///< it is held, and the sensor looks whether it has moved
-  Accepted,   ///< it was held, and its path goes to the gate
-  InAir,      ///< it was held, and the arm runs its path in the air
-  Following,  ///< the arm follows its path
+  Working,     ///< its line and path are worked out
+  Held,        ///< it waits for a person
+  Planning,    ///< it was held: a person's word is worked out, and then it is held again, or goes on
+  Looking,     ///< it is held, and the sensor looks whether it has moved
+  Accepted,    ///< it was held, and its path goes to the gate
+  InAir,       ///< it was held, and the arm runs its path in the air
+  Following,   ///< the arm follows its path
+  Inspecting,  ///< it was worked, and the sensor looks at what was done
 };
 
 /// Whether the next scan is asked for.
@@ -57,6 +58,7 @@ enum class CellEvent : std::uint8_t {
   AirSetsOut,  ///< the arm sets out in the air
   Holds,
   Done,
+  Inspects,  ///< a look at what was done is to be taken
   // A person about what is held.
   Accept,
   Plan,  ///< another process, a model, a mended line, a run in the air
@@ -65,7 +67,8 @@ enum class CellEvent : std::uint8_t {
   // A person about the cell.
   Start,
   Stop,
-  Spent  ///< each start is one scan, and this one was asked for or given up
+  Spent,      ///< each start is one scan, and this one was asked for or given up
+  AsksPerson  ///< of what was done to the last shoe nobody may go on before a person has looked
 };
 
 /// What doors are told: one word for all of it.
@@ -96,25 +99,27 @@ enum class CellState : std::uint8_t {
 ///
 /// A scan that was cut off goes on where it stood: Lost does not end it.
 ///
-/// | shoe      | Works   | ArmSetsOut | AirSetsOut | Holds | Done | Accept   | Plan     | Look    | Reject |
-/// |-----------|---------|------------|------------|-------|------|----------|----------|---------|--------|
-/// | None      | Working |            |            |       | None |          |          |         |        |
-/// | Working   | Working | Following  |            | Held  | None |          |          |         |        |
-/// | Held      |         |            |            | Held  |      | Accepted | Planning | Looking | None   |
-/// | Planning  | Working | Following  | InAir      | Held  | None |          |          |         |        |
-/// | Looking   | Working |            |            | Held  | None |          |          |         |        |
-/// | Accepted  | Working | Following  |            | Held  | None |          |          |         |        |
-/// | InAir     | Working |            |            | Held  | None |          |          |         |        |
-/// | Following | Working |            |            | Held  | None |          |          |         |        |
+/// | shoe       | Works   | ArmSetsOut | AirSetsOut | Holds | Done | Accept   | Plan     | Look    | Reject |
+/// |------------|---------|------------|------------|-------|------|----------|----------|---------|--------|
+/// | None       | Working |            |            |       | None |          |          |         |        |
+/// | Working    | Working | Following  |            | Held  | None |          |          |         |        |
+/// | Held       |         |            |            | Held  |      | Accepted | Planning | Looking | None   |
+/// | Planning   | Working | Following  | InAir      | Held  | None |          |          |         |        |
+/// | Looking    | Working |            |            | Held  | None |          |          |         |        |
+/// | Accepted   | Working | Following  |            | Held  | None |          |          |         |        |
+/// | InAir      | Working |            |            | Held  | None |          |          |         |        |
+/// | Following  | Working |            |            | Held  | None |          |          |         |        |
+/// | Inspecting | Working |            |            |       | None |          |          |         |        |
 ///
+/// Inspects makes Inspecting of Following, and of nothing else.
 /// Stop makes None of Held, and leaves each other state as it is.
 /// What a stop ends in work ends by its mark (robot::StopMark): Done, or Holds of what waits no longer.
 ///
-/// | going         | Start | Stop    | Spent         |
-/// |---------------|-------|---------|---------------|
-/// | Goes          | Goes  | Stopped | WaitsForStart |
-/// | WaitsForStart | Goes  | Stopped | WaitsForStart |
-/// | Stopped       | Goes  | Stopped | Stopped       |
+/// | going         | Start | Stop    | Spent         | AsksPerson    |
+/// |---------------|-------|---------|---------------|---------------|
+/// | Goes          | Goes  | Stopped | WaitsForStart | WaitsForStart |
+/// | WaitsForStart | Goes  | Stopped | WaitsForStart | WaitsForStart |
+/// | Stopped       | Goes  | Stopped | Stopped       | Stopped       |
 ///
 /// Thread: one at a time; the owner locks.  Pure: no clock of its own.
 class CellMachine {
@@ -127,7 +132,7 @@ class CellMachine {
   [[nodiscard]] Going going() const { return going_; }
   /// on(event) would take it.
   [[nodiscard]] bool takes(CellEvent event) const;
-  /// The next scan, or a look at what is held, may be asked for.
+  /// The next scan, a look at what is held, or one at what was done may be asked for.
   [[nodiscard]] bool may_ask() const;
   [[nodiscard]] bool arm_moves() const { return shoe_ == Shoe::Following || shoe_ == Shoe::InAir; }
   /// It moves, or a person has said yes to that.

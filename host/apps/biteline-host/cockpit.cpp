@@ -289,6 +289,15 @@ void Cockpit::hear(const Result<robot::ur::ControllerWords>& words, const std::s
   publish_state();
 }
 
+void Cockpit::show_work(const std::string& words, bool asks) {
+  {
+    const std::lock_guard lock{mutex_};
+    work_ = ShownWork{.words = words, .asks = asks};
+    published_ = {};
+  }
+  publish_state();
+}
+
 void Cockpit::show_centre(const std::string& words) {
   {
     const std::lock_guard lock{mutex_};

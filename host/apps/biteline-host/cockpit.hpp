@@ -146,6 +146,8 @@ class Cockpit final : public api::Cell {
   void answer_sensor(std::optional<std::uint32_t> question, const Result<std::string>& done);
   /// What the controller says of itself, or why it says nothing; `wrong`: what to do first.
   void hear(const Result<robot::ur::ControllerWords>& words, const std::string& wrong);
+  /// What the last look at a shoe's work told; `asks`: a person must look.
+  void show_work(const std::string& words, bool asks);
   /// What the factory's centre says of this cell's shoes; empty: it has them all.
   void show_centre(const std::string& words);
   /// A cycle goes from one asking for a scan to the next, and is none where somebody said stop in between.
@@ -312,6 +314,11 @@ class Cockpit final : public api::Cell {
   std::optional<robot::ur::ControllerWords> robot_{};
   std::string robot_wrong_;
   bool robot_asked_{false};
+  struct ShownWork {
+    std::string words{};
+    bool asks{false};
+  };
+  std::optional<ShownWork> work_{};      ///< nothing: no shoe was looked at yet
   std::optional<std::string> centre_{};  ///< nothing: no centre has ever said anything
   struct Cycle {
     Clock::time_point begun;

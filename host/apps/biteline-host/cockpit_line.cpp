@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The cockpit's face to the line's control: each start is one scan.
 #include "host/apps/biteline-host/cockpit.hpp"
+#include "host/apps/biteline-host/work_book.hpp"
 
 namespace biteline::service {
 
@@ -24,8 +25,10 @@ void Cockpit::give_up_start() {
 void Cockpit::end_cycle(const memory::Scan& scan) {
   const std::lock_guard lock{mutex_};
   if (mending_ == scan.name) mending_.clear();
+  // A person must look at what was done.
+  const bool settled = scan.work.verdict.empty() || scan.work.verdict == k_work_ok;
   cycle_.scan_ends({.scan = scan.name,
-                    .verdict = scan.verdict,
+                    .verdict = settled ? scan.verdict : "review",
                     .model = scan.model,
                     .foot = scan.foot,
                     .size = scan.size,

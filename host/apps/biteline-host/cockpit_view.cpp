@@ -145,6 +145,7 @@ Json Cockpit::state_locked() const {
   } else {
     lamps["robot"] = robot_wrong_.empty() ? lamp("ok", "ready") : lamp("fault", robot_wrong_);
   }
+  if (work_) lamps["work"] = lamp(work_->asks ? "warning" : "ok", work_->words);
   if (centre_)
     lamps["centre"] = centre_->empty() ? lamp("ok", "reads every shoe") : lamp("warning", *centre_);
   const bool simulated = hello_ && hello_->simulated;

@@ -19,6 +19,8 @@ std::span<const report::RefusalRow<Refused>> refusal_table(Refused) {
                                   "look at the shoe: accept it where it is another one, else reject it"},
       report::RefusalRow<Refused>{Refused::LineOffMended, "line_off_mended",
                                   "look at the line there; mend it, or save this scan as the model"},
+      report::RefusalRow<Refused>{Refused::WorkNotLookedAt, "work_not_looked_at",
+                                  "look at the shoe by eye, then start"},
   };
   return k_rows;
 }

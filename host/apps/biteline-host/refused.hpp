@@ -13,6 +13,7 @@ enum class Refused {
   OtherProcess,        ///< a person took another process than the model's own
   PartWorkedBefore,    ///< a path was sent for a shoe of this part number
   LineOffMended,       ///< the line lies off the mended line of its model by more than both are known
+  WorkNotLookedAt,     ///< it was worked, and the look at what was done did not come
 };
 
 [[nodiscard]] std::span<const report::RefusalRow<Refused>> refusal_table(Refused);

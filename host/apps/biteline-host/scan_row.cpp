@@ -9,6 +9,7 @@
 
 #include "common/system/file.hpp"
 #include "host/apps/biteline-host/part.hpp"
+#include "host/apps/biteline-host/work_book.hpp"
 #include "host/cloud/closed_line.hpp"
 #include "host/doors/api/words.hpp"
 
@@ -63,22 +64,50 @@ void take_word(const Json& inputs, memory::Scan& scan) {
   scan.decision = scan.decided_by.empty() ? k_automatic : "accepted";
 }
 
-/// What the gate said no to first.
+/// What the gate said no to first; nothing: it let the path through.
+std::optional<report::ToldRefusal> gate_refusal(const Json& gate) {
+  const auto rows = gate.find("rows");
+  if (rows == gate.end() || !rows->is_array()) return std::nullopt;
+  for (const Json& row : *rows) {
+    if (!row.is_object() || text_of(row, "state") != "failed") continue;
+    return report::ToldRefusal{.reason_code = text_of(row, "reason_code"),
+                               .reason = "not sent: " + text_of(row, "name") + ": " + text_of(row, "value") +
+                                         " (" + text_of(row, "limit") + ")",
+                               .next_step = text_of(row, "next_step")};
+  }
+  return std::nullopt;
+}
+
+/// What stopped the arm on its way; nothing: nothing did.
+std::optional<report::ToldRefusal> halt_of(const Json& followed) {
+  const auto stopped = followed.find("stopped");
+  if (stopped == followed.end() || !stopped->is_object()) return std::nullopt;
+  return report::ToldRefusal{.reason_code = text_of(*stopped, "reason_code"),
+                             .reason = text_of(*stopped, "reason"),
+                             .next_step = text_of(*stopped, "next_step")};
+}
+
+void take(const report::ToldRefusal& told, memory::Scan& scan) {
+  scan.reason_code = told.reason_code;
+  scan.reason = told.reason;
+  scan.next_step = told.next_step;
+}
+
 void take_gate(const Json& gate, memory::Scan& scan) {
   const auto permitted = gate.find("permitted");
   scan.sent = permitted != gate.end() && permitted->is_boolean() && permitted->get<bool>();
   if (const auto inputs = gate.find("inputs"); scan.sent && inputs != gate.end() && inputs->is_object())
     take_word(*inputs, scan);
-  const auto rows = gate.find("rows");
-  if (scan.sent || rows == gate.end() || !rows->is_array()) return;
-  for (const Json& row : *rows) {
-    if (!row.is_object() || text_of(row, "state") != "failed") continue;
-    scan.reason_code = text_of(row, "reason_code");
-    scan.reason = "not sent: " + text_of(row, "name") + ": " + text_of(row, "value") + " (" +
-                  text_of(row, "limit") + ")";
-    scan.next_step = text_of(row, "next_step");
-    return;
-  }
+  if (scan.sent) return;
+  if (const auto told = gate_refusal(gate)) take(*told, scan);
+}
+
+/// A file that cannot be read tells nothing.
+void take_work(const fs::path& folder, memory::Scan& scan) {
+  const Result<std::optional<WorkBook>> book = read_work(folder);
+  if (!book || !*book) return;
+  scan.work = (*book)->work;
+  if (!(*book)->told.reason.empty()) take((*book)->told, scan);
 }
 
 void take_line(const fs::path& file, memory::Scan& scan) {
@@ -90,6 +119,13 @@ void take_line(const fs::path& file, memory::Scan& scan) {
 }
 
 }  // namespace
+
+std::optional<report::ToldRefusal> why_not_followed(const fs::path& folder) {
+  if (const Json followed = read_json(folder / "followed.json"); followed.is_object())
+    return halt_of(followed);
+  const Json gate = read_json(folder / "gate.json");
+  return gate.is_object() ? gate_refusal(gate) : std::nullopt;
+}
 
 std::optional<memory::Scan> row_of(const fs::path& folder) {
   const Json report = read_json(folder / "report.json");
@@ -143,12 +179,9 @@ std::optional<memory::Scan> row_of(const fs::path& folder) {
       const auto completed = followed.find("completed");
       scan.followed = completed != followed.end() && completed->is_boolean() && completed->get<bool>() &&
                       !followed.contains("stopped");
-      if (const auto stopped = followed.find("stopped"); stopped != followed.end() && stopped->is_object()) {
-        scan.reason_code = text_of(*stopped, "reason_code");
-        scan.reason = text_of(*stopped, "reason");
-        scan.next_step = text_of(*stopped, "next_step");
-      }
+      if (const auto told = halt_of(followed)) take(*told, scan);
     }
+    take_work(folder, scan);
   } else {
     take_refusal(report, scan);
   }

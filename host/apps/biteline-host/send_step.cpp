@@ -193,6 +193,15 @@ Result<void> follow_watched(robot::RobotLink& link, const robot::PermittedPath& 
 
 }  // namespace
 
+robot::Unmoved shown_by(const transfer::Moved& moved) {
+  return {.by = robot::Unmoved::By::Look,
+          .age_s = 0,
+          .shift_mm = moved.shift_mm,
+          .u95_mm = moved.u95_mm,
+          .limit_mm = moved.limit_mm,
+          .same_shoe = moved.verdict != transfer::Moved::Verdict::OtherShoe};
+}
+
 bool was_sent(const fs::path& folder) {
   std::error_code error;
   if (!fs::exists(folder / k_gate_file, error)) return false;

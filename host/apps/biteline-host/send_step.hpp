@@ -16,6 +16,7 @@
 #include "host/robot/link/gate/gate.hpp"
 #include "host/robot/link/ur/clamp_watch.hpp"
 #include "host/robot/link/ur/pendant_watch.hpp"
+#include "host/transfer/moved.hpp"
 
 namespace biteline::service {
 
@@ -24,6 +25,9 @@ struct Looked {
   HostClock::time_point at;  ///< its end
   robot::Unmoved shows{};    ///< without its age
 };
+
+/// What a look has shown, without its age.
+[[nodiscard]] robot::Unmoved shown_by(const transfer::Moved& moved);
 
 /// A path that is to be sent, and what the service knows of its scan.
 struct SendRequest {

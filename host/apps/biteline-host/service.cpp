@@ -142,6 +142,7 @@ Result<ExitStatus> Service::run(const std::atomic<bool>& stop) {
   BITELINE_TRY(watch_clamp());
   take_up_order();
   find_unfinished();
+  close_owed_looks();
   forget_used_part();
   look_for_next_folder();
   while (!stop) {
@@ -163,6 +164,7 @@ Result<ExitStatus> Service::run(const std::atomic<bool>& stop) {
       sensor_lost_ = to_line(heard.error());
       // Light that comes on whenever somebody mends the sensor would surprise whoever asked for it.
       if (looks() && !scan_) give_up_look(sensor_lost_);
+      if (inspects() && !scan_) give_up_inspection(sensor_lost_);
       cockpit_->enter(CellEvent::Lost);
       cockpit_->lose_sensor(sensor_lost_);
       if (scan_) {
@@ -178,8 +180,16 @@ Result<ExitStatus> Service::run(const std::atomic<bool>& stop) {
     start_result();
     if (std::optional<Worked> worked = result_done()) {
       held_ = std::move(worked->held);
-      if (!held_) cockpit_->enter(CellEvent::Done);
-      if (options_.once && !held_) return worked->status;
+      after_ = std::move(worked->after);
+      if (!worked->asks.empty()) {
+        // Somebody may have said start already.
+        const bool goes = cockpit_->cell().going() == Going::Goes;
+        asks_ = goes ? std::string{} : worked->asks;
+        if (goes) keep_asking({});
+      }
+      if (after_) cockpit_->enter(CellEvent::Inspects);
+      if (is_free()) cockpit_->enter(CellEvent::Done);
+      if (options_.once && is_free()) return worked->status;
       if (!worked->status) complain(worked->status.error());
       rest_after(*worked);
     }
@@ -193,27 +203,28 @@ Result<ExitStatus> Service::run(const std::atomic<bool>& stop) {
   return ExitStatus::Done;
 }
 
-template <class Work>
-void Service::begin_result(const std::string& scan, Work work) {
-  cockpit_->works(scan);
-  result_ = std::async(std::launch::async, [work = std::move(work)]() mutable {
-    pthread_setname_np(pthread_self(), "bl-result");
-    return work();
-  });
-}
-
 void Service::start_result() {
   if (result_.valid()) return;
   const bool whole = scan_ && ready(*scan_);
   if (!whole && cut_off_.empty()) return;
   const bool look = cut_off_.empty() ? scan_->look : cut_off_.front().look;
-  if (held_ && !look) return;
+  const bool after_work = cut_off_.empty() ? scan_->after_work : cut_off_.front().after_work;
+  if ((held_ && !look) || (after_ && !after_work)) return;
   Scan scan = cut_off_.empty() ? std::move(*scan_) : std::move(cut_off_.front());
   if (cut_off_.empty()) {
     scan_.reset();
     cockpit_->enter(CellEvent::ScanIsIn);
   } else {
     cut_off_.pop_front();
+  }
+  if (after_work) {
+    if (!inspects()) return scan.intake.forget();
+    const std::string of = after_->name();
+    begin_result(of, [this, after = std::move(*after_), scan = std::move(scan)]() mutable {
+      return inspect_work(std::move(after), std::move(scan));
+    });
+    after_.reset();
+    return;
   }
   if (look) {
     // What it was to show has been stopped.
@@ -236,6 +247,9 @@ std::optional<Service::Worked> Service::result_done() {
 }
 
 void Service::end_what_was_stopped() {
+  // A look that comes in ends by itself.
+  if (inspects() && after_->mark.stopped() && !scan_ && cut_off_.empty())
+    return give_up_inspection("it was stopped");
   if (result_.valid() || !held_) return;
   // A line that is being mended is a whole one when its row is written.
   if (!held_->scan.mark.stopped() || cockpit_->mends(held_->name())) return;

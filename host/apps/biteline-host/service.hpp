@@ -2,12 +2,16 @@
 #pragma once
 /// \file The service's life: scan after scan from the sensor to the arm.
 
+#include <pthread.h>
+
 #include <atomic>
 #include <deque>
+#include <functional>
 #include <future>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <utility>
 #include <variant>
 
 #include "common/core/result.hpp"
@@ -19,11 +23,13 @@
 #include "host/apps/biteline-host/steps.hpp"
 #include "host/apps/biteline-host/taken_process.hpp"
 #include "host/apps/biteline-host/told_once.hpp"
+#include "host/apps/biteline-host/work_book.hpp"
 #include "host/calibration/drift/evidence.hpp"
 #include "host/intake/child_process.hpp"
 #include "host/intake/live_line.hpp"
 #include "host/intake/scan_intake.hpp"
 #include "host/records/centre_word/centre_word.hpp"
+#include "host/records/look/look_result.hpp"
 #include "host/records/release/shelf.hpp"
 #include "host/records/report/ended_by.hpp"
 #include "host/records/report/file_lock.hpp"
@@ -34,6 +40,7 @@
 #include "host/robot/link/ur/pendant_watch.hpp"
 #include "host/robot/path/process.hpp"
 #include "host/robot/path/zones.hpp"
+#include "host/second_look/rework.hpp"
 
 namespace biteline::service {
 
@@ -101,6 +108,7 @@ class Service {
     bool calibration_checked{false};
     std::future<ArmSeen> arm_seen{};  ///< after the scan, asked meanwhile
     bool look{false};                 ///< at what is held, and no shoe of its own
+    bool after_work{false};           ///< at what was done, and no shoe of its own either
     std::string trouble{};            ///< why no more of it came in when it had so many profiles
     std::optional<std::uint64_t> profiles_at_trouble{}, went_on_at{};
   };
@@ -137,16 +145,30 @@ class Service {
     [[nodiscard]] const Planned* planned() const { return std::get_if<Planned>(&what); }
     [[nodiscard]] Unnamed* unnamed() { return std::get_if<Unnamed>(&what); }
   };
+  /// A shoe that was worked, and is to be looked at.
+  struct AfterWork {
+    std::filesystem::path folder;  ///< of its scan
+    Chosen chosen;
+    robot::StopMark mark;  ///< of the start that it comes of
+    Planned planned;       ///< what was followed first
+    int looks{0};          ///< that were worked out
+    bool reworked{false};  ///< what was missing was worked once more
+
+    [[nodiscard]] std::string name() const { return folder.filename().string(); }
+  };
   /// What the result's thread leaves.
   struct Worked {
     Result<ExitStatus> status;
     std::optional<HeldScan> held{};  ///< it waits for a person, again or for the first time
     LastEnd end{};
+    std::optional<AfterWork> after{};  ///< it was worked, and is to be looked at
+    std::string asks{};                ///< why nobody may go on before a person has looked
   };
   /// A line and perhaps a path, before the scan's row is written.
   struct WorkedOut {
     Result<ExitStatus> status;
     std::optional<HeldScan> held{};
+    std::optional<AfterWork> after{};
   };
   /// What the next scan is worked with, and whose word that is.  It outlives the service.
   struct Ordered {
@@ -229,6 +251,44 @@ class Service {
   /// Doors are told what changes with it.
   void look_at_clamp();
 
+  // A look at what was done, and once more what is missing (service_work.cpp).
+  /// The process asks for it.
+  [[nodiscard]] bool looks_after(const Chosen& chosen) const;
+  /// As `follow` does; from before it a look is owed where the process asks for one, and none is where the
+  /// path was not followed to its end.
+  [[nodiscard]] Result<ExitStatus> follow_and_owe_look(
+      const std::filesystem::path& folder, const Chosen& chosen,
+      const std::function<Result<ExitStatus>()>& follow) const;
+  /// The sensor is to be asked for it, or has begun.
+  [[nodiscard]] bool inspects() const;
+  /// Pre: inspects().
+  [[nodiscard]] Result<void> begin_inspection(const intake::Hello& hello);
+  /// Nobody has looked: a person is to.  Pre: inspects().
+  void give_up_inspection(const std::string& why);
+  // The result's thread, to end_work().
+  [[nodiscard]] Worked inspect_work(AfterWork after, Scan look);
+  /// What a look found, and by which plan.
+  struct Inspected {
+    HostClock::time_point at{};  ///< of the look's end
+    second_look::Findings findings{};
+    second_look::PlannedBand plan{};
+    look::Judged judged{};
+    std::string sha256{};  ///< of its report
+  };
+  [[nodiscard]] Result<Inspected> inspect_files(const AfterWork& after, const cloud::PointCloud& seen,
+                                                HostClock::time_point at) const;
+  /// Pre: something is missing, and it is the first time.
+  [[nodiscard]] Worked rework(AfterWork after, const Inspected& seen, WorkBook book);
+  [[nodiscard]] Result<ExitStatus> follow_rework(const AfterWork& after, const Inspected& seen,
+                                                 const second_look::Rework& pieces, std::string& why_not);
+  /// Nobody looks any more: the row says what is known.
+  [[nodiscard]] Worked end_work(AfterWork after, WorkBook book, Result<ExitStatus> status);
+  [[nodiscard]] Worked end_unlooked(AfterWork after, WorkBook book, const std::string& why);
+  /// Of a service before this one: the shoe was worked, and nobody has looked.
+  void close_owed_looks();
+  /// A person must look before the next scan, also of a service after this one; empty: nobody must any more.
+  void keep_asking(const std::string& words) const;
+
   /// Doors are told of what is held, on the result's thread: its files are read for that.  Pre: it is held,
   /// and no result is worked out.
   void tell_aside(bool again);
@@ -238,7 +298,7 @@ class Service {
   template <class Work>
   void begin_result(const std::string& scan, Work work);
   /// Nothing is in work, and nothing waits.
-  [[nodiscard]] bool is_free() const { return !result_.valid() && !held_; }
+  [[nodiscard]] bool is_free() const { return !result_.valid() && !held_ && !after_; }
   /// What the result's thread left, once.
   [[nodiscard]] std::optional<Worked> result_done();
   /// Whatever the scan does to it: a result, or a report that says why there is none.
@@ -346,6 +406,7 @@ class Service {
   struct After {
     bool stopped{false};   ///< it waited, and a stop has ended that
     std::string failed{};  ///< why nothing came of a person's word
+    bool goes_on{false};   ///< it is looked at after the work: the cycle is not over
   };
   /// The scan's row, of its folder; a memory that cannot take it is told, and costs no scan.
   /// `held`: it waits, and doors hear of it with its row; false: not any more, as a person's word says.
@@ -394,6 +455,8 @@ class Service {
   std::deque<Scan> cut_off_;                ///< nothing more comes of them
   std::optional<robot::StopMark> asked_{};  ///< of the start whose scan has neither begun nor been refused
   std::optional<HeldScan> held_;
+  std::optional<AfterWork> after_;
+  std::string asks_;  ///< why a person must look before the next scan; empty: nobody must
   std::optional<intake::ChildProcess> web_;
   HostClock::time_point web_started_{}, web_next_{};
   HostClock::time_point centre_looked_{};
@@ -417,5 +480,14 @@ class Service {
   std::future<std::filesystem::path> next_folder_;
   std::future<Worked> result_;  ///< being worked out; last: its thread uses the rest
 };
+
+template <class Work>
+void Service::begin_result(const std::string& scan, Work work) {
+  cockpit_->works(scan);
+  result_ = std::async(std::launch::async, [work = std::move(work)]() mutable {
+    pthread_setname_np(pthread_self(), "bl-result");
+    return work();
+  });
+}
 
 }  // namespace biteline::service

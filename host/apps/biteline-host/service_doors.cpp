@@ -34,6 +34,7 @@ void Service::show_idle() {
   if (!held_) show_next_process();
   cockpit_->hinder(!robot_wrong_.empty() ? Hindrance::Robot : rest_ ? Hindrance::Rest : Hindrance::None);
   if (scan_) return show_scan(*scan_);
+  if (after_) return cockpit_->show("looks at what was done to " + after_->name(), "what it tells");
   if (held_) {
     if (looks()) return cockpit_->show("looks whether " + held_->name() + " has moved", "a person decides");
     if (held_->planned() != nullptr)
@@ -53,6 +54,8 @@ void Service::show_idle() {
     cockpit_->show("the robot is not ready: " + robot_wrong_, "the next scan, once it is");
   } else if (rest_) {
     cockpit_->show((waits_for_start ? "waits for a start: " : "") + rest_->words, rest_->next_step);
+  } else if (waits_for_start && !asks_.empty()) {
+    cockpit_->show("a person must look: " + asks_, "look at the shoe, then start");
   } else if (waits_for_start) {
     cockpit_->show("waits for a start", "one scan for each start");
   } else {
@@ -61,12 +64,13 @@ void Service::show_idle() {
 }
 
 void Service::show_scan(const Scan& scan) {
-  const bool look = scan.look && held_;
-  const std::string comes =
-      look ? "looks whether " + held_->name() + " has moved" : scan.folder.filename().string() + " comes in";
+  const bool look = scan.look && held_, after_work = scan.after_work && after_;
+  const std::string comes = look         ? "looks whether " + held_->name() + " has moved"
+                            : after_work ? "looks at what was done to " + after_->name()
+                                         : scan.folder.filename().string() + " comes in";
   if (scan.profiles_at_trouble && *scan.profiles_at_trouble >= scan.intake.profiles())
     return cockpit_->show(comes + ": " + scan.trouble, "it goes on once that is mended; stop ends it");
-  cockpit_->show(comes, look ? "a person decides" : "its line");
+  cockpit_->show(comes, look ? "a person decides" : after_work ? "what it tells" : "its line");
 }
 
 void Service::tell_held(const HeldScan& held, bool again) {
@@ -148,6 +152,7 @@ void Service::heed(const Wish& wish) {
       // Whoever says so has looked: at once, and told anew.
       rest_.reset();
       spoilt_.mended();
+      if (!std::exchange(asks_, {}).empty()) keep_asking({});
       return;
     case Wish::Kind::Reject:
       if (std::optional<HeldScan> held = take_held(wish)) {

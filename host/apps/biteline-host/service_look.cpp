@@ -31,15 +31,6 @@ const char* name_of(transfer::Moved::Verdict verdict) {
   return "not_seen";
 }
 
-robot::Unmoved shown_by(const transfer::Moved& moved) {
-  return {.by = robot::Unmoved::By::Look,
-          .age_s = 0,
-          .shift_mm = moved.shift_mm,
-          .u95_mm = moved.u95_mm,
-          .limit_mm = moved.limit_mm,
-          .same_shoe = moved.verdict != transfer::Moved::Verdict::OtherShoe};
-}
-
 Result<void> write_look(const fs::path& folder, const transfer::Moved& moved) {
   report::Report report;
   report.fields["moved"] = {

@@ -132,9 +132,17 @@ Result<Service::WorkedOut> Service::work_out_path(Scan& scan, const intake::Scan
   cockpit_->show("the arm follows the line of " + name, "the next scan");
   BITELINE_ASSIGN(send.mounted, mounted());
   look_at_own_calibration(scan, outcome);
-  BITELINE_ASSIGN(const ExitStatus status,
-                  follow_path(scan.folder, plan, send, [&] { return line.pages.write(outcome.cloud); }));
-  return WorkedOut{.status = status};
+  BITELINE_ASSIGN(const ExitStatus status, follow_and_owe_look(scan.folder, scan.chosen, [&] {
+                    return follow_path(scan.folder, plan, send,
+                                       [&] { return line.pages.write(outcome.cloud); });
+                  }));
+  WorkedOut out{.status = status};
+  if (status == ExitStatus::Done && looks_after(scan.chosen))
+    out.after = AfterWork{.folder = scan.folder,
+                          .chosen = scan.chosen,
+                          .mark = scan.mark,
+                          .planned = {.plan = std::move(plan), .request = std::move(send)}};
+  return out;
 }
 
 Result<void> Service::look_at_files(HeldScan& held) {
@@ -190,12 +198,20 @@ Service::Worked Service::send_held(HeldScan held, const robot::Word& word) {
   planned.request.holds_arm = holds_arm();
   Result<ExitStatus> status = without_exceptions([&]() -> Result<ExitStatus> {
     BITELINE_ASSIGN(planned.request.mounted, mounted());
-    return follow_path(folder, planned.plan, planned.request);
+    return follow_and_owe_look(folder, held.scan.chosen,
+                               [&] { return follow_path(folder, planned.plan, planned.request); });
   });
   if (was_sent(folder)) {
     end_recording(held.scan.intake, ExitStatus::Done);
-    const Remembered told = remember(folder, "accepted", held.scan.chosen, {});
-    return {.status = std::move(status), .held = {}, .end = told.end};
+    const bool looks = status && *status == ExitStatus::Done && looks_after(held.scan.chosen);
+    const Remembered told = remember(folder, "accepted", held.scan.chosen, {.goes_on = looks});
+    Worked worked{.status = std::move(status), .held = {}, .end = told.end};
+    if (looks)
+      worked.after = AfterWork{.folder = folder,
+                               .chosen = held.scan.chosen,
+                               .mark = held.scan.mark,
+                               .planned = std::move(planned)};
+    return worked;
   }
   if (held.scan.mark.stopped()) {
     end_recording(held.scan.intake, ExitStatus::Refused);

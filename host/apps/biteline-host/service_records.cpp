@@ -134,7 +134,7 @@ Service::Remembered Service::remember(const fs::path& folder, const std::string&
   }
   if (still_held) tell_held(*held);
   words.unlock();
-  if (!still_held) cockpit_->end_cycle(*row);
+  if (!still_held && !after.goes_on) cockpit_->end_cycle(*row);
   cockpit_->tell_scan(row->name);
   return {
       .waits = still_held,

@@ -45,14 +45,18 @@ Service::Worked Service::close_result(WorkedOut out, const fs::path& folder, Cho
     if (out.held) out.held->scan.chosen.written = chosen.written;
     if (Planned* const planned = out.held ? out.held->planned() : nullptr)
       planned->request.written = chosen.written;
+    if (out.after) out.after->chosen.written = out.after->planned.request.written = chosen.written;
   } else {
     complain(now.error());
   }
-  const Remembered told =
-      remember(folder, out.held ? "held" : "open", chosen, {}, out.held ? &*out.held : nullptr);
+  const Remembered told = remember(folder, out.held ? "held" : "open", chosen,
+                                   {.goes_on = out.after.has_value()}, out.held ? &*out.held : nullptr);
   if (!told.waits) out.held.reset();
   if (const Result<void> room = make_room(); !room) complain(room.error());
-  return {.status = std::move(out.status), .held = std::move(out.held), .end = told.end};
+  return {.status = std::move(out.status),
+          .held = std::move(out.held),
+          .end = told.end,
+          .after = std::move(out.after)};
 }
 
 Service::Worked Service::hold_again(Result<ExitStatus> status, HeldScan held, const std::string& failed) {

@@ -45,12 +45,12 @@ Result<void> Service::hear_sensor() {
   }
   // The next scan only once the arm is out of its way, and what was left of earlier ones is done.
   const bool next_scan = is_free() && unfinished_.empty() && !rests();
-  if (cockpit_->cell().may_ask() && !scan_ && cut_off_.empty() && (next_scan || looks())) {
+  if (cockpit_->cell().may_ask() && !scan_ && cut_off_.empty() && (next_scan || looks() || inspects())) {
     // A robot that is not ready would cost a scan that nobody can use.
     if (!robot_ready()) {
       // A start that takes effect whenever somebody mends the robot would surprise him.
       if (!robot_moves_ && looks()) give_up_look("the robot is not ready: " + robot_wrong_);
-      if (!robot_moves_) cockpit_->give_up_start();
+      if (!robot_moves_ && !inspects()) cockpit_->give_up_start();
       if (options_.once && !robot_moves_)
         return fail(Errc::DeviceError, "robot %s: it is not ready", robot_->options.script.c_str());
       BITELINE_ASSIGN(const std::optional<intake::LinkEvent> meanwhile, link_->next(k_turn));
@@ -58,7 +58,9 @@ Result<void> Service::hear_sensor() {
       return {};
     }
     // A stop that came while the robot was asked is one.
-    const std::optional<robot::StopMark> mark = looks() ? held_->scan.mark : cockpit_->begin_cycle();
+    const std::optional<robot::StopMark> mark = looks()      ? held_->scan.mark
+                                                : inspects() ? after_->mark
+                                                             : cockpit_->begin_cycle();
     if (mark && !mark->stopped()) {
       cockpit_->enter(CellEvent::Asks);
       // Before the light, which may come before the scan does.
@@ -135,6 +137,7 @@ Result<void> Service::on_hello(const intake::Hello& hello) {
     return {};
   }
   if (looks()) return begin_look(hello);
+  if (inspects()) return begin_inspection(hello);
   const fs::path folder = take_next_folder();
   BITELINE_TRY(report::prepare_folder(folder));
   look_for_next_folder();
@@ -148,6 +151,11 @@ Result<void> Service::on_hello(const intake::Hello& hello) {
 
 Result<void> Service::on_refused_start(const std::string& why) {
   asked_.reset();
+  if (inspects()) {
+    cockpit_->enter(CellEvent::Refuses);
+    give_up_inspection("the sensor does not begin: " + why);
+    return {};
+  }
   const Result<void> no = fail(Errc::PeerRefused, "the sensor does not begin a scan: %s", why.c_str());
   if (options_.once) return no;
   complain(no.error());
@@ -165,7 +173,7 @@ Result<void> Service::on_refused_start(const std::string& why) {
 
 void Service::rest_after(const Worked& worked) {
   LastEnd end = worked.end;
-  if (held_ || end.who == report::EndedBy::Person) return;
+  if (held_ || after_ || end.who == report::EndedBy::Person) return;
   if (const Result<ExitStatus>& status = worked.status; !status) {
     end.who = report::EndedBy::Machine;
     if (end.told.reason.empty())

@@ -68,6 +68,8 @@ constexpr std::array k_help{
     Help{"gate.tip_tolerance_mm",
          "Nothing is sent when the tool may be farther off the line; 0: not asked for"},
     Help{"start", "Where the closed line is entered"},
+    Help{"after_work",
+         "What follows the work: nothing, a second look, or a look and once more what is missing"},
     Help{"foot", "The foot that stretches are told on; on the other one they are mirrored"},
     Help{"zones", "Parts of the line that are worked in their own way, or left out; the first one counts"},
     Help{"zones[].name", "Words for people"},

@@ -70,6 +70,12 @@ std::span<const EndedByRow> ended_by_table() {
       EndedByRow{"line_off_mended", Nobody},
       EndedByRow{"other_process", Nobody},
       EndedByRow{"part_worked_before", Nobody},
+      // Of a look at what was done: the shoe was worked.
+      EndedByRow{"work_faulty", Nobody},
+      EndedByRow{"still_faulty", Nobody},
+      EndedByRow{"work_unsure", Nobody},
+      EndedByRow{"no_change_to_tell", Nobody},
+      EndedByRow{"work_not_looked_at", Nobody},
   };
   return k_rows;
 }

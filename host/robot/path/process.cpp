@@ -245,6 +245,12 @@ Start read_start(YamlReader& reader) {
   return word == "farthest" ? Start::Farthest : Start::Auto;
 }
 
+AfterWork read_after_work(YamlReader& reader) {
+  const std::string word = reader.choice_or_first("after_work", {"none", "look", "rework"});
+  if (word == "look") return AfterWork::Look;
+  return word == "rework" ? AfterWork::Rework : AfterWork::None;
+}
+
 Process read_all(YamlReader& reader) {
   Process process;
   process.name = read_title(reader, bounds::k_title);
@@ -255,6 +261,7 @@ Process read_all(YamlReader& reader) {
   process.follow = read_follow(reader.child("follow", false));
   process.gate = read_gate(reader.child("gate", false));
   process.start = read_start(reader);
+  process.after_work = read_after_work(reader);
   process.digital_output =
       static_cast<int>(reader.integer_or("digital_output", -1, {.minimum = -1, .maximum = 7}));
   if (const std::string foot = reader.choice_or_first("foot", {"any", "left", "right"}); foot != "any")
@@ -267,6 +274,8 @@ Process read_all(YamlReader& reader) {
     if (process.digital_output < 0)
       reader.fault(Errc::BadValue, "digital_output", "the gun's output, 0 to 7, where there is a flow");
   }
+  if (process.after_work != AfterWork::None && !(covered_width_mm(process) > 0))
+    reader.fault(Errc::BadValue, "after_work", "a look needs the band's width: coverage expected");
   check_stall(reader, process);
   return process;
 }

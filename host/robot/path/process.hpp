@@ -133,6 +133,9 @@ inline constexpr double k_most_speed_ratio = 5;
 /// Of the tip, along the line.
 inline constexpr double k_most_speed_mm_s = 1000;
 
+/// What follows the work: nothing, a second look, or one that has what is missing worked once more.
+enum class AfterWork { None, Look, Rework };
+
 /// A part of the line that is worked in a way of its own, or left out.  What is "by" is added to the
 /// process's.
 struct Zone {
@@ -173,6 +176,7 @@ struct Process {
   FollowLimits follow{};
   GateLimits gate{};
   Start start{Start::Auto};
+  AfterWork after_work{AfterWork::None};
   int digital_output{-1};      ///< switched on along the line; -1: none
   std::optional<Flow> flow{};  ///< none: on from the beginning to the end, at whatever speed
   std::string foot{};          ///< that its stretches are told on, left or right; empty: on either one

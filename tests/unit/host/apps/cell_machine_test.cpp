@@ -16,10 +16,10 @@ namespace biteline::service {
 namespace {
 
 using enum CellEvent;
-constexpr std::array k_events{Heard, Lost,       Asks,       Refuses, ScanBegins, ScanIsIn,
-                              Works, ArmSetsOut, AirSetsOut, Holds,   Done,       Accept,
-                              Plan,  Look,       Reject,     Start,   Stop,       Spent};
-constexpr std::size_t k_last_event = static_cast<std::size_t>(Spent);
+constexpr std::array k_events{Heard,      Lost,       Asks,  Refuses, ScanBegins, ScanIsIn,  Works,
+                              ArmSetsOut, AirSetsOut, Holds, Done,    Inspects,   Accept,    Plan,
+                              Look,       Reject,     Start, Stop,    Spent,      AsksPerson};
+constexpr std::size_t k_last_event = static_cast<std::size_t>(AsksPerson);
 static_assert(k_events.size() == k_last_event + 1, "each event once");
 /// Of a person, about what is held.
 constexpr std::array k_words{Accept, Plan, Look, Reject};
@@ -111,8 +111,39 @@ TEST(CellMachine, NoLightIsAskedForBesideAShoeInWork) {
     if (!cell.may_ask()) return true;
     // A look is a person's word about what is held; all else wants a cell that goes.
     const bool next_scan = cell.shoe() == Shoe::None && cell.going() == Going::Goes;
-    return cell.sensing() == Sensing::Idle && (next_scan || cell.shoe() == Shoe::Looking);
+    // What was worked is looked at until somebody says stop.
+    const bool after_work = cell.shoe() == Shoe::Inspecting && cell.going() != Going::Stopped;
+    return cell.sensing() == Sensing::Idle && (next_scan || after_work || cell.shoe() == Shoe::Looking);
   });
+}
+
+TEST(CellMachine, OnlyWhatTheArmHasFollowedIsLookedAtAfterTheWork) {
+  for_all([](const Step& step) {
+    if (step.from.shoe() == Shoe::Inspecting || step.to.shoe() != Shoe::Inspecting) return true;
+    return step.event == Inspects && step.from.shoe() == Shoe::Following;
+  });
+}
+
+/// No next shoe, and no arm, before the look has been worked out.
+TEST(CellMachine, AShoeThatIsLookedAtAfterTheWorkIsLeftByTheServicesWorkAlone) {
+  for_all([](const Step& step) {
+    if (step.from.shoe() != Shoe::Inspecting || step.to.shoe() == Shoe::Inspecting) return true;
+    return step.event == Works || step.event == Done;
+  });
+}
+
+TEST(CellMachine, WherePeopleMustLookNoScanIsAskedForBeforeAStart) {
+  for_all([](const Step& step) {
+    if (step.event != AsksPerson) return true;
+    return step.taken && step.to.going() != Going::Goes && step.to.shoe() == step.from.shoe();
+  });
+  CellMachine cell = after({Heard, Works, ArmSetsOut, Inspects});
+  CHECK(cell.may_ask());
+  CHECK(cell.state(Hindrance::None) == CellState::Scanning);
+  for (const CellEvent event : {Works, AsksPerson, Done}) CHECK(cell.on(event));
+  CHECK(!cell.may_ask());
+  CHECK(cell.on(Start));
+  CHECK(cell.may_ask());
 }
 
 TEST(CellMachine, ASensorThatIsLostLosesNoScanAndNoShoe) {

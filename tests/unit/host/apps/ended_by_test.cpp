@@ -15,6 +15,7 @@
 #include "host/robot/link/gate/refused.hpp"
 #include "host/robot/link/halt.hpp"
 #include "host/robot/path/refused.hpp"
+#include "host/second_look/refused.hpp"
 #include "host/transfer/refused.hpp"
 
 namespace biteline {
@@ -50,7 +51,12 @@ TEST(EndedBy, EachReasonOfEachModuleIsSomebodys) {
   all(transfer::Refused{}, EndedBy::Shoe);
   all(path::Refused{}, EndedBy::Shoe, {"not_as_taught"});
   all(service::Refused::ModelUnknown, EndedBy::Shoe,
-      {"rerun_failed", "calibration_drifted", "other_process", "line_off_mended", "part_worked_before"});
+      {"rerun_failed", "calibration_drifted", "other_process", "line_off_mended", "part_worked_before",
+       "work_not_looked_at"});
+  all(second_look::Refused{}, EndedBy::Shoe, {"shoe_moved", "other_shoe", "no_change_to_tell"});
+  all(second_look::Settle{}, EndedBy::Nobody);
+  for (const char* code : {"no_change_to_tell", "work_not_looked_at"})
+    CHECK_TEXT(ended_by(code) == EndedBy::Nobody, code);
   for (const char* code : {"line_not_passed", "path_not_passed", "too_uncertain", "tip_too_far"})
     CHECK_TEXT(ended_by(code) == EndedBy::Shoe, code);
   for (const char* code :

@@ -7,12 +7,15 @@
 
 #include "host/apps/biteline-host/recognise.hpp"
 #include "host/apps/biteline-host/refused.hpp"
+#include "host/apps/biteline-host/work_book.hpp"
 #include "tests/support/errors.hpp"
 #include "tests/support/refusals.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace biteline::service {
 namespace {
+
+namespace fs = std::filesystem;
 
 constexpr const char* k_good =
     R"({"status":"ok","length_mm":640.5,"confidence":0.98,"weak_stretches":[],"scan":{"duration_s":6.25},"stages":{"last profile to line":0.03}})";
@@ -53,6 +56,41 @@ TEST(ScanRow, WhoseShoeItIsStandsInTheReportElseBesideTheRecording) {
   STRCMP_EQUAL("A-18", row()->part.c_str());
   folder.write("scan-0001/report.json", R"({"status":"ok","part":"A-17"})");
   STRCMP_EQUAL("A-17", row()->part.c_str());
+}
+
+TEST(ScanRow, WhatALookAfterTheWorkToldStandsInTheRow) {
+  folder.write("scan-0001/report.json", k_good);
+  folder.write("scan-0001/gate.json", R"({"permitted":true,"rows":[],"inputs":{}})");
+  folder.write("scan-0001/followed.json", R"({"completed":true})");
+  CHECK(row()->work == memory::Work{});
+  const fs::path scan = folder.path() / "scan-0001";
+  second_look::Findings found{.line_mm = 600};
+  found.faults = {{.kind = second_look::FaultKind::Missing, .along = {.from_mm = 595, .to_mm = 3}},
+                  {.kind = second_look::FaultKind::Missing, .along = {.from_mm = 100, .to_mm = 102}},
+                  {.kind = second_look::FaultKind::Wide, .along = {.from_mm = 200, .to_mm = 210}}};
+  WorkBook book{.work = work_of(found, ExitStatus::Review),
+                .looks = 2,
+                .told = {.reason_code = "still_faulty", .reason = "3 faults", .next_step = "look"}};
+  book.work.reworked = true;
+  SUCCEEDS(write_work(scan, book));
+  STRCMP_EQUAL("faulty", row()->work.verdict.c_str());
+  DOUBLES_EQUAL(10, *row()->work.missing_mm, 1e-9);
+  LONGS_EQUAL(1, row()->work.wide);
+  LONGS_EQUAL(0, row()->work.narrow + row()->work.beside + row()->work.doubled);
+  CHECK(row()->work.reworked);
+  STRCMP_EQUAL("still_faulty", row()->reason_code.c_str());
+  CHECK(row()->sent && *row()->followed);
+  // All is worked: what the row says otherwise stands.
+  SUCCEEDS(write_work(scan, {.work = work_of({.line_mm = 600}, ExitStatus::Done), .looks = 1}));
+  STRCMP_EQUAL("ok", row()->work.verdict.c_str());
+  STRCMP_EQUAL("", row()->reason_code.c_str());
+  folder.write("scan-0001/work/work.json", "{ torn");
+  CHECK(!read_work(scan));
+  CHECK(row()->work == memory::Work{});
+  forget_work(scan);
+  const auto none = read_work(scan);
+  SUCCEEDS(none);
+  CHECK(!*none);
 }
 
 TEST(ScanRow, ALineThatAPersonMustSettleIsForReviewWhateverItsPathSays) {
@@ -153,7 +191,7 @@ TEST(ScanRow, PlacesAreSignedDistancesToTheModelsLine) {
 }
 
 TEST(ScanRow, EachRefusalOfTheServiceHasItsWords) {
-  test::check_refusal_table(Refused::LineOffMended);
+  test::check_refusal_table(Refused::WorkNotLookedAt);
 }
 
 }  // namespace biteline::service

@@ -1,0 +1,307 @@
+// SPDX-License-Identifier: MIT
+// A shoe that was worked is looked at once more; what is missing is worked once more, and looked at again.
+#include <algorithm>
+#include <utility>
+
+#include "host/apps/biteline-host/refused.hpp"
+#include "host/apps/biteline-host/scan_row.hpp"
+#include "host/apps/biteline-host/service.hpp"
+#include "host/apps/biteline-host/service_words.hpp"
+#include "host/cloud/ply.hpp"
+#include "host/records/digest/digest.hpp"
+#include "host/records/look/planned_band.hpp"
+#include "host/records/look/rework_files.hpp"
+#include "host/records/report/report.hpp"
+
+namespace biteline::service {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* k_rework_folder = "rework";
+/// In the memory's settings: why a person must look before the next scan.
+constexpr const char* k_asks_key = "look_by_a_person";
+
+fs::path look_folder(const fs::path& scan, int number) {
+  return scan / k_work_folder / ("look-" + std::to_string(number));
+}
+
+std::string in_one_line(std::string words) {
+  for (std::size_t at = words.find('\n'); at != std::string::npos; at = words.find('\n', at))
+    words.replace(at, 1, "; ");
+  return words;
+}
+
+}  // namespace
+
+bool Service::looks_after(const Chosen& chosen) const {
+  return robot_ && taken_of(chosen).process.after_work != path::AfterWork::None;
+}
+
+Result<ExitStatus> Service::follow_and_owe_look(const fs::path& folder, const Chosen& chosen,
+                                                const std::function<Result<ExitStatus>()>& follow) const {
+  if (!looks_after(chosen)) return follow();
+  // Before anything moves: a service after this one must know that the shoe may have been worked.
+  BITELINE_TRY(write_work(folder, {.work = {.verdict = k_looking}}));
+  Result<ExitStatus> status = follow();
+  if (!status || *status != ExitStatus::Done) forget_work(folder);
+  return status;
+}
+
+bool Service::inspects() const {
+  return after_ && !result_.valid() && cockpit_->cell().shoe() == Shoe::Inspecting;
+}
+
+Result<void> Service::begin_inspection(const intake::Hello& hello) {
+  const fs::path folder = look_folder(after_->folder, after_->looks + 1);
+  std::error_code error;
+  fs::remove_all(folder, error);
+  BITELINE_TRY(report::prepare_folder(folder));
+  BITELINE_ASSIGN(intake::ScanIntake intake, intake::ScanIntake::begin(folder, hello, link_->packet()));
+  scan_.emplace(Scan{.folder = folder, .intake = std::move(intake), .line = {}, .connection = connection()});
+  scan_->after_work = true;
+  scan_->mark = after_->mark;
+  asked_.reset();
+  cockpit_->enter(CellEvent::ScanBegins);
+  show_scan(*scan_);
+  say_step("looks at what was done to %s", after_->name().c_str());
+  return {};
+}
+
+void Service::give_up_inspection(const std::string& why) {
+  begin_result(after_->name(), [this, why, after = std::move(*after_)]() mutable {
+    const WorkBook book{.work = {.verdict = {}, .reworked = after.reworked}, .looks = after.looks};
+    return end_unlooked(std::move(after), book, why);
+  });
+  after_.reset();
+}
+
+Service::Worked Service::inspect_work(AfterWork after, Scan look) {
+  const std::string name = after.name();
+  cockpit_->show("compares what was done to " + name, "what is missing");
+  WorkBook book{.work = {.verdict = {}, .reworked = after.reworked}, .looks = after.looks};
+  std::string why_not;
+  std::optional<Inspected> seen;
+  const Result<ExitStatus> done = without_exceptions([&]() -> Result<ExitStatus> {
+    const intake::ScanOutcome outcome = look.intake.finish();
+    look.intake.forget();
+    if (!look.stopped_by.empty()) why_not = "stopped by " + look.stopped_by;
+    if (why_not.empty() && after.mark.stopped()) why_not = "it was stopped";
+    if (why_not.empty() && outcome.failure) why_not = to_line(*outcome.failure);
+    if (!why_not.empty()) return ExitStatus::Refused;
+    BITELINE_ASSIGN(seen, inspect_files(after, outcome.cloud, look.ended.value_or(now())));
+    return seen->judged.status;
+  });
+  if (!done) return end_unlooked(std::move(after), book, to_line(done.error()));
+  if (!why_not.empty()) return end_unlooked(std::move(after), book, why_not);
+  book.looks = ++after.looks;
+  book.work = work_of(seen->findings, seen->judged.status);
+  book.work.reworked = after.reworked;
+  book.told = seen->judged.told;
+  say_step("%s: %s", name.c_str(), in_one_line(look::summary(seen->findings)).c_str());
+  const bool may = taken_of(after.chosen).process.after_work == path::AfterWork::Rework && !after.reworked;
+  if (may && book.work.verdict == "faulty" && *book.work.missing_mm > 0)
+    return rework(std::move(after), *seen, std::move(book));
+  return end_work(std::move(after), std::move(book), done);
+}
+
+Result<Service::Inspected> Service::inspect_files(const AfterWork& after, const cloud::PointCloud& seen,
+                                                  HostClock::time_point at) const {
+  const fs::path folder = look_folder(after.folder, after.looks + 1);
+  report::Report report;
+  BITELINE_ASSIGN(const cloud::PointCloud first,
+                  report.timed("read", [&] { return cloud::read_cloud(after.folder / "cloud.ply"); }));
+  const cloud::ClosedLine& line = after.planned.plan.request.line;
+  Inspected inspected{.at = at};
+  BITELINE_ASSIGN(inspected.plan, look::planned_band(line, process_of(after.chosen), {}));
+  const path::PlannedPath& path = after.planned.plan.outcome.path->path();
+  inspected.plan.middle_base = look::middle_of(path);
+  if (const auto seam = look::seam_of(path, line)) inspected.plan.twice.push_back(*seam);
+  inspected.findings =
+      report.timed("compare", [&] { return second_look::look_again(first, seen, line, inspected.plan); });
+  BITELINE_TRY(cloud::write_cloud(folder / "cloud.ply", seen));
+  look::LookOf of{.first = after.name(),
+                  .second = folder.filename().string(),
+                  .line_sha256 = {},
+                  .process_sha256 = taken_of(after.chosen).sha256,
+                  .foot = after.chosen.foot,
+                  .reworks = after.reworked ? 1U : 0U};
+  BITELINE_ASSIGN(of.line_sha256, digest_of_file(after.folder / "line.csv"));
+  BITELINE_ASSIGN(inspected.judged,
+                  look::write_look_result(folder, inspected.findings, inspected.plan, of, report));
+  BITELINE_TRY(report.write(folder));
+  BITELINE_ASSIGN(inspected.sha256, digest_of_file(folder / "report.json"));
+  return inspected;
+}
+
+Service::Worked Service::rework(AfterWork after, const Inspected& seen, WorkBook book) {
+  const second_look::Rework pieces =
+      second_look::rework_of(seen.findings.faults, seen.plan, seen.findings.line_mm, {});
+  const auto leave = [&](const std::string& why, Result<ExitStatus> status) {
+    say_step("%s is not worked once more: %s", after.name().c_str(), why.c_str());
+    book.told.reason += "; not worked once more: " + why;
+    return end_work(std::move(after), std::move(book), std::move(status));
+  };
+  if (pieces.pieces.empty())
+    return leave("what is missing does not go away without working more than 1 mm twice", ExitStatus::Review);
+  std::string why_not;
+  const Result<ExitStatus> status =
+      without_exceptions([&] { return follow_rework(after, seen, pieces, why_not); });
+  if (status && *status == ExitStatus::Done) {
+    after.reworked = true;
+    return {.status = status, .held = {}, .end = {}, .after = std::move(after)};
+  }
+  const fs::path folder = after.folder / k_work_folder / k_rework_folder;
+  if (!was_sent(folder)) {
+    if (!status) why_not = to_line(status.error());
+    return leave(why_not, ExitStatus::Review);
+  }
+  // The arm was on its way, and nobody knows how far it came.
+  book.work.reworked = true;
+  const std::optional<report::ToldRefusal> halt = why_not_followed(folder);
+  return end_unlooked(std::move(after), book,
+                      "what was missing was not worked to its end: " + (halt      ? halt->reason
+                                                                        : !status ? to_line(status.error())
+                                                                                  : why_not));
+}
+
+Result<ExitStatus> Service::follow_rework(const AfterWork& after, const Inspected& seen,
+                                          const second_look::Rework& pieces, std::string& why_not) {
+  const std::string name = after.name();
+  const fs::path folder = after.folder / k_work_folder / k_rework_folder;
+  cockpit_->show("plans what is missing of " + name, "the arm works it once more");
+  path::PlanRequest request = after.planned.plan.request;
+  for (const second_look::ReworkPiece& piece : pieces.pieces)
+    request.process.only.push_back({.from_mm = piece.along.from_mm, .to_mm = piece.along.to_mm});
+  BITELINE_ASSIGN(request.mounted, mounted());
+  request.table_z_mm = request.mounted.table_z_mm.value_or(robot_->options.table_z_mm);
+  cloud::ClosedLine line = request.line;
+  BITELINE_ASSIGN(const PlanStep plan, plan_again(folder / "path", std::move(request), std::move(line)));
+  if (!plan.outcome.path) {
+    why_not = "no path: " + plan.outcome.reason();
+    return ExitStatus::Review;
+  }
+  // Once, whatever comes of it: before the path is sent.
+  BITELINE_TRY(
+      look::record_rework(after.folder, {.look_sha256 = seen.sha256, .pieces = pieces.pieces.size()}));
+  SendRequest send = after.planned.request;
+  send.mounted = plan.request.mounted;
+  send.holds_arm = holds_arm();
+  // A person's yes was to the path before.
+  send.approved.reset();
+  send.looked.reset();
+  if (seen.findings.moved.verdict == transfer::Moved::Verdict::Unmoved)
+    send.looked = Looked{.at = seen.at, .shows = shown_by(seen.findings.moved)};
+  say_step("%s: %zu pieces are worked once more", name.c_str(), pieces.pieces.size());
+  cockpit_->enter(CellEvent::ArmSetsOut);
+  cockpit_->show("the arm works once more what is missing of " + name, "a look at it");
+  BITELINE_ASSIGN(const ExitStatus status, follow_path(folder, plan, send));
+  if (status == ExitStatus::Done) return status;
+  const std::optional<report::ToldRefusal> gate = why_not_followed(folder);
+  why_not = gate ? gate->reason : "the gate did not let it through";
+  return status;
+}
+
+Service::Worked Service::end_unlooked(AfterWork after, WorkBook book, const std::string& why) {
+  book.work.verdict = k_not_looked;
+  book.work.missing_mm.reset();
+  book.told = report::told(Refusal{.code = Refused::WorkNotLookedAt, .reason = "not looked at: " + why});
+  return end_work(std::move(after), std::move(book), ExitStatus::Review);
+}
+
+Service::Worked Service::end_work(AfterWork after, WorkBook book, Result<ExitStatus> status) {
+  const std::string name = after.name();
+  if (const Result<void> written = write_work(after.folder, book); !written) complain(written.error());
+  const bool asks = book.work.verdict != k_work_ok;
+  const std::string words = name + ": " + (asks ? book.told.reason : "all of the band is worked");
+  say_step("%s%s", words.c_str(), asks ? "; a person must look before the next scan" : "");
+  if (asks && !cockpit_->has_doors())
+    say_step("no door is open: start the service again once a person has looked");
+  cockpit_->show_work(words, asks);
+  // Before doors hear of it: a start that comes after the row is a word about it.
+  if (asks) {
+    keep_asking(words);
+    cockpit_->enter(CellEvent::AsksPerson);
+  }
+  const Remembered told = remember(after.folder, "open", after.chosen, {});
+  return {.status = std::move(status),
+          .held = {},
+          .end = told.end,
+          .after = {},
+          .asks = asks ? words : std::string{}};
+}
+
+void Service::keep_asking(const std::string& words) const {
+  const Result<void> put = cockpit_->memory().put_setting(k_asks_key, words,
+                                                          {.id = 0,
+                                                           .time = memory::now_ms(),
+                                                           .who = "service",
+                                                           .door = {},
+                                                           .action = "look by a person",
+                                                           .subject = "cell",
+                                                           .before = {},
+                                                           .after = words.empty() ? "done" : "asked for"});
+  if (!put) complain(put.error());
+}
+
+void Service::close_owed_looks() {
+  // Where no door is open, whoever starts the service has looked.
+  const Result<std::optional<std::string>> asked = cockpit_->memory().setting(k_asks_key);
+  if (!asked) complain(asked.error());
+  if (asked && *asked && cockpit_->has_doors()) asks_ = **asked;
+  if (asked && *asked && !(*asked)->empty() && !cockpit_->has_doors()) keep_asking({});
+  std::error_code error;
+  for (fs::directory_iterator at{options_.out, error}, end; !error && at != end; at.increment(error)) {
+    const fs::path folder = at->path();
+    Result<std::optional<WorkBook>> book = read_work(folder);
+    if (!book) {
+      complain(book.error());
+      continue;
+    }
+    if (!*book || (*book)->work.verdict != k_looking) continue;
+    if (!was_sent(folder)) {
+      forget_work(folder);
+      continue;
+    }
+    const std::string name = folder.filename().string();
+    (*book)->work.verdict = k_not_looked;
+    (*book)->told = report::told(
+        Refusal{.code = Refused::WorkNotLookedAt,
+                .reason = "not looked at: the service ended between the work and the look at it"});
+    if (const Result<void> written = write_work(folder, **book); !written) complain(written.error());
+    const Result<std::optional<memory::Scan>> known = cockpit_->memory().scan(name);
+    std::optional<memory::Scan> row = row_of(folder);
+    if (row && known && *known) {
+      // What the row has besides its files stays.
+      memory::Scan kept = **known;
+      kept.work = row->work;
+      kept.reason_code = row->reason_code;
+      kept.reason = row->reason;
+      kept.next_step = row->next_step;
+      row = std::move(kept);
+    }
+    if (row) {
+      const Result<void> put = cockpit_->memory().put_scan(*row, {.id = 0,
+                                                                  .time = memory::now_ms(),
+                                                                  .who = "service",
+                                                                  .door = {},
+                                                                  .action = "result",
+                                                                  .subject = name,
+                                                                  .before = {},
+                                                                  .after = row->work.verdict});
+      if (!put) complain(put.error());
+    }
+    asks_ = name + ": " + (*book)->told.reason;
+  }
+  if (asks_.empty()) return;
+  say_step("%s", asks_.c_str());
+  cockpit_->show_work(asks_, true);
+  // One scan was asked for by whoever started it: that is a person's word.
+  if (options_.once) return asks_.clear();
+  keep_asking(asks_);
+  say_step("no scan is asked for before a person has looked%s",
+           cockpit_->has_doors() ? " and started" : " and started the service again");
+  cockpit_->enter(CellEvent::AsksPerson);
+}
+
+}  // namespace biteline::service

@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: MIT
+// The service looks at what it worked: a simulated arm lays glue on a made shoe, with a gap, and each scan
+// sees what lies there by then.
+#include <CppUTest/TestHarness.h>
+
+#include <csignal>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "host/records/memory/memory.hpp"
+#include "tests/integration/robot/person.hpp"
+
+namespace biteline {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double k_gap_mm = 6;
+
+}  // namespace
+
+struct WorkedCell : Utest {
+  test::TemporaryFolder folder;
+  std::optional<ChildProcess> cell;
+  nlohmann::json ports;
+  std::string sensor;
+
+  fs::path results() const { return folder.path() / "results"; }
+  fs::path scan() const { return results() / "scan-0001"; }
+  void begin_cell(std::vector<std::string> fault) {
+    fault.insert(fault.begin(), (folder.path() / "truth").string());
+    auto child = ChildProcess::start(
+        {.program = BITELINE_WORKED_CELL, .arguments = std::move(fault), .pass_stderr = true});
+    SUCCEEDS(child);
+    cell.emplace(std::move(*child));
+    const auto told = cell->next_line(k_patience), address = cell->next_line(k_patience);
+    SUCCEEDS(told);
+    SUCCEEDS(address);
+    ports = test::read_json(*told);
+    sensor = *address;
+  }
+  /// Quick cement above the line, on what a quick scan is good to; watched as a loaded machine can.
+  fs::path process(const std::string& gate) const {
+    std::ifstream stream{fs::path{BITELINE_PROCESSES} / "cement.yaml"};
+    std::string text{std::istreambuf_iterator<char>{stream}, {}};
+    for (const auto& [asked, instead] :
+         {std::pair<std::string, std::string>{"start: auto",
+                                              "start: auto\nafter_work: rework\nfollow: {covered: 0.5}"},
+          {"up_mm: 2", "up_mm: 5"},
+          {"contact_width_mm: 10", "contact_width_mm: 6"},
+          {"\n  speed_mm_s: 80", "\n  speed_mm_s: 160"},
+          {"\n  tolerance_mm: 1 ", "\n  tolerance_mm: 20 "},
+          {"\n  tip_tolerance_mm: 2 ", "\n  tip_tolerance_mm: 20 "}}) {
+      const std::size_t at = text.find(asked);
+      CHECK_TEXT(at != std::string::npos, asked.c_str());
+      text.replace(at, asked.size(), instead);
+    }
+    return folder.write("cement.yaml", text + gate);
+  }
+  ChildProcess start(const std::vector<std::string>& more, const std::string& gate = {}) const {
+    const auto at = [&](const char* port) { return "127.0.0.1:" + std::to_string(ports[port].get<int>()); };
+    std::vector<std::string> all{"--sensor",
+                                 sensor,
+                                 "--out",
+                                 results().string(),
+                                 "--robot",
+                                 "UR10e",
+                                 "--process",
+                                 process(gate).string(),
+                                 "--fixture-z",
+                                 std::to_string(ports["fixture_z_mm"].get<double>()),
+                                 "--fixture-beyond",
+                                 std::to_string(ports["fixture_beyond_mm"].get<double>()),
+                                 "--rtde",
+                                 at("rtde"),
+                                 "--script",
+                                 at("script"),
+                                 "--dashboard",
+                                 at("dashboard"),
+                                 "--send"};
+    all.insert(all.end(), more.begin(), more.end());
+    auto host = ChildProcess::start({.program = host_program(), .arguments = all, .pass_stderr = true});
+    SUCCEEDS(host);
+    return std::move(*host);
+  }
+  static std::pair<int, std::string> end_of(ChildProcess& host) { return ServiceWithArm::end_of(host); }
+  nlohmann::json file(const char* name) const {
+    std::ifstream stream{scan() / name};
+    return test::read_json(stream);
+  }
+  memory::Scan row() const {
+    const auto memory = memory::Memory::open_to_read(results() / memory::k_memory_file);
+    SUCCEEDS(memory);
+    const auto row = memory->scan("scan-0001");
+    CHECK(row && *row);
+    return **row;
+  }
+  /// Places of the true line, 0.5 mm apart, as the last scan saw them.
+  std::vector<double> layers() const {
+    std::ifstream stream{folder.path() / "truth/worked.csv"};
+    std::vector<double> laid;
+    for (std::string line; std::getline(stream, line);)
+      if (!line.empty() && line[0] != '#') laid.push_back(std::stod(line.substr(line.rfind(',') + 1)));
+    return laid;
+  }
+};
+
+TEST_GROUP_BASE(ServiceWork, WorkedCell){};
+
+TEST(ServiceWork, AGapIsFoundAndWorkedOnceMore) {
+  begin_cell({std::to_string(k_gap_mm), "1"});
+  ChildProcess host = start({"--once"});
+  const auto [status, said] = end_of(host);
+  LONGS_EQUAL_TEXT(static_cast<int>(ExitStatus::Done), status, said.c_str());
+  STRCMP_EQUAL("work_faulty", file("work/look-1/report.json").value("reason_code", "").c_str());
+  LONGS_EQUAL(1, file("work/look-1/report.json")["work"]["faults"].size());
+  STRCMP_EQUAL("ok", file("work/look-2/report.json").value("status", "").c_str());
+  CHECK(file("work/rework/gate.json").value("permitted", false));
+  STRCMP_EQUAL("look", file("work/rework/gate.json")["inputs"]["scan"]["unmoved"].value("by", "").c_str());
+  LONGS_EQUAL(1, file("rework.json")["reworks"].size());
+  const memory::Scan kept = row();
+  STRCMP_EQUAL("ok", kept.work.verdict.c_str());
+  CHECK(kept.work.reworked && kept.sent && kept.followed.value_or(false));
+  DOUBLES_EQUAL(0, kept.work.missing_mm.value_or(-1), 1e-9);
+  STRCMP_EQUAL("", kept.reason_code.c_str());
+  // In truth, too: all is covered, and beside the seam no more than 1 mm at either end of the gap lies twice,
+  // a profile's way and a place's in the truth taken off.
+  double twice_mm = 0;
+  const std::vector<double> laid = layers();
+  CHECK(laid.size() > 500);
+  for (const double here : laid) {
+    CHECK_COMPARE(here, >, 0.9);
+    twice_mm += here > 1.5 ? 0.5 : 0;
+  }
+  const double overlap_mm = 8;  // of cement.yaml
+  CHECK_COMPARE(twice_mm, <, overlap_mm + 2 * (1 + 0.5 + 0.5));
+}
+
+TEST(ServiceWork, AShoeThatWasMovedIsNotWorkedAgain) {
+  begin_cell({std::to_string(k_gap_mm), "1", "moved"});
+  ChildProcess host = start({"--once"});
+  const auto [status, said] = end_of(host);
+  LONGS_EQUAL_TEXT(static_cast<int>(ExitStatus::Refused), status, said.c_str());
+  STRCMP_CONTAINS("a person must look before the next scan", said.c_str());
+  const memory::Scan kept = row();
+  STRCMP_EQUAL("refused", kept.work.verdict.c_str());
+  STRCMP_EQUAL("shoe_moved", kept.reason_code.c_str());
+  CHECK(kept.followed.value_or(false));
+  CHECK(!fs::exists(scan() / "work/rework"));
+}
+
+/// Nobody knows which shoe stands there: the arm rests until a person has looked.
+TEST(ServiceWork, AServiceThatDiedBeforeTheLookWorksNothingAgain) {
+  begin_cell({std::to_string(k_gap_mm), "1"});
+  {
+    ChildProcess host = start({});
+    while (const auto line = host.next_line(k_patience))
+      if (line->starts_with("the arm followed the line")) break;
+    ::kill(host.pid(), SIGKILL);
+    SUCCEEDS(host.wait(k_patience));
+  }
+  STRCMP_EQUAL("looking", file("work/work.json").value("verdict", "").c_str());
+  ChildProcess again = start({});
+  std::string said;
+  while (const auto line = again.next_line(2s)) said += *line + "\n";
+  STRCMP_CONTAINS("no scan is asked for before a person has looked", said.c_str());
+  CHECK_TEXT(said.find("asks for a scan") == std::string::npos, said.c_str());
+  const memory::Scan kept = row();
+  STRCMP_EQUAL("not_looked", kept.work.verdict.c_str());
+  STRCMP_EQUAL("work_not_looked_at", kept.reason_code.c_str());
+}
+
+TEST(ServiceWork, ReworkThatTheGateRefusesWaitsForAPerson) {
+  begin_cell({std::to_string(k_gap_mm), "1"});
+  ChildProcess host = start({"--control", "tcp://127.0.0.1:0"}, "  approval: person\n");
+  Page page{address_told(host)};
+  page.begin();
+  page.wait_until_deciding();
+  const control::Json held = page.ask("GET", "/state").body["held"];
+  LONGS_EQUAL(200, page.ask("POST", "/scans/scan-0001/accept", {{"version", held["version"]}}).status);
+  const control::Json row = page.scan_once("scan-0001", [](const control::Json& one) {
+    return one["work"].is_object() && one["work"].value("verdict", "") != "looking";
+  });
+  STRCMP_EQUAL("faulty", row["work"].value("verdict", "").c_str());
+  STRCMP_EQUAL("work_faulty", row.value("reason_code", "").c_str());
+  STRCMP_CONTAINS("not worked once more: not sent: ", row.value("reason", "").c_str());
+  STRCMP_CONTAINS("not_approved", ServiceWithArm::reasons_of(scan() / "work/rework").c_str());
+  CHECK(!fs::exists(results() / "scan-0002"));
+  // A start is a person's word to go on.
+  LONGS_EQUAL(202, page.ask("POST", "/commands/start", control::Json::object()).status);
+  page.scan_once("scan-0002", [](const control::Json& one) { return one.contains("verdict"); });
+}
+
+TEST(ServiceWork, AStopDuringTheLookWorksNothingAgain) {
+  begin_cell({std::to_string(k_gap_mm), "1"});
+  ChildProcess host = start({"--control", "tcp://127.0.0.1:0"});
+  Page page{address_told(host)};
+  page.begin();
+  while (const auto line = host.next_line(k_patience))
+    if (line->starts_with("looks at what was done")) break;
+  LONGS_EQUAL(200, page.ask("POST", "/commands/stop").status);
+  const control::Json row = page.scan_once("scan-0001", [](const control::Json& one) {
+    return one["work"].is_object() && one["work"].value("verdict", "") != "looking";
+  });
+  // As far as the look had come by then: nobody has looked, or what is missing is left.
+  CHECK_TEXT(row["work"].value("verdict", "") != "ok", test::text_of(row).c_str());
+  CHECK(!row["work"].value("reworked", true));
+  STRCMP_CONTAINS("stop", row.value("reason", "").c_str());
+  const fs::path rework = scan() / "work/rework";
+  CHECK(!fs::exists(rework / "gate.json") || !ServiceWithArm::gate_of(rework).value("permitted", true));
+  STRCMP_EQUAL("stopped", page.ask("GET", "/state").body.value("phase", "").c_str());
+}
+
+TEST_GROUP_BASE(ServiceWorkLong, WorkedCell){};
+
+TEST(ServiceWorkLong, WhatIsStillMissingAfterTheReworkIsAPersons) {
+  begin_cell({std::to_string(k_gap_mm), "2"});
+  ChildProcess host = start({"--once"});
+  const auto [status, said] = end_of(host);
+  LONGS_EQUAL_TEXT(static_cast<int>(ExitStatus::Review), status, said.c_str());
+  const memory::Scan kept = row();
+  STRCMP_EQUAL("faulty", kept.work.verdict.c_str());
+  STRCMP_EQUAL("still_faulty", kept.reason_code.c_str());
+  CHECK(kept.work.reworked);
+  DOUBLES_EQUAL(k_gap_mm, kept.work.missing_mm.value_or(0), 2);
+  LONGS_EQUAL(1, file("rework.json")["reworks"].size());
+  CHECK(!fs::exists(scan() / "work/look-3"));
+}
+
+}  // namespace biteline
