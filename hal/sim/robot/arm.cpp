@@ -79,10 +79,28 @@ ArmState Arm::at(SensorClock::time_point instant) const {
         put(set.output, state.outputs, state.analog_ratio);
     }
     state.q_rad = program_->q_rad_at(program_s);
+    if (const Vec3 off_mm = off_at(instant); !off_mm.isZero()) {
+      state.T_base_flange.translation() += off_mm;
+      state.q_rad.reset();
+    }
     state.payload = program_->payload_at(program_s);
     state.program_name = program_->name();
   }
   return state;
+}
+
+void Arm::set_off(const Vec3& off_base_mm, SensorClock::time_point instant) {
+  // Pictures are asked for after their time, by less than that.
+  constexpr std::size_t k_kept = 4096;
+  const std::lock_guard lock(mutex_);
+  if (offs_.empty() && off_base_mm.isZero()) return;
+  if (offs_.size() >= 2 * k_kept) offs_.erase(offs_.begin(), offs_.end() - k_kept);
+  offs_.push_back({.since = instant, .off_base_mm = off_base_mm});
+}
+
+Vec3 Arm::off_at(SensorClock::time_point instant) const {
+  const auto after = std::ranges::upper_bound(offs_, instant, {}, &Off::since);
+  return after == offs_.begin() ? Vec3{Vec3::Zero()} : (after - 1)->off_base_mm;
 }
 
 double Arm::program_time_s(SensorClock::time_point instant) const {
@@ -147,6 +165,7 @@ void Arm::stand(SensorClock::time_point instant) {
   program_.reset();
   beside_.clear();
   paces_.clear();
+  offs_.clear();
   paused_ = false;
   begin_ = instant;
 }

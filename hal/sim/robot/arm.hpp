@@ -69,6 +69,9 @@ class Arm {
   /// What runs beside the moves sets an output, until the program itself sets it again.
   void set_output(const OutputStep& output, SensorClock::time_point instant);
 
+  /// Force mode's: from `instant` on the tip of a program is so far from its way.
+  void set_off(const Vec3& off_base_mm, SensorClock::time_point instant);
+
   /// From `instant` on programs go at that share of their speed, 0 to 1; until then as before.  Instants in
   /// order.
   void set_speed(double ratio, SensorClock::time_point instant);
@@ -116,6 +119,12 @@ class Arm {
     bool paused;
   };
   void change_pace(SensorClock::time_point instant);
+  struct Off {
+    SensorClock::time_point since;
+    Vec3 off_base_mm;
+  };
+  [[nodiscard]] Vec3 off_at(SensorClock::time_point instant) const;
+  std::vector<Off> offs_{};  ///< of the program, in order, of the last seconds
   std::vector<Pace> paces_;  ///< of the program, in order
   double speed_ratio_{1};
   bool paused_{false};

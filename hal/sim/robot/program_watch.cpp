@@ -24,8 +24,9 @@ ProgramNews news_of(const ScriptStep& step) {
 }  // namespace
 
 void ProgramWatch::tell_end() {
-  if (!std::exchange(ended_, true))
-    news_.push_back({.kind = ProgramNews::Kind::Ended, .text = threads_->program()->name()});
+  if (std::exchange(ended_, true)) return;
+  if (beside_.program_ended) beside_.program_ended();
+  news_.push_back({.kind = ProgramNews::Kind::Ended, .text = threads_->program()->name()});
 }
 
 std::string ProgramWatch::step(SensorClock::time_point instant, const RtdeInputs& inputs) {
@@ -72,7 +73,9 @@ ScriptWorld ProgramWatch::world_at(SensorClock::time_point instant, const RtdeIn
           .set_analog =
               [this, instant](int number, double ratio) {
                 arm_.set_output(AnalogOutStep{number, ratio}, instant);
-              }};
+              },
+          .tcp_force = beside_.tcp_force,
+          .act = beside_.act};
 }
 
 std::string ProgramWatch::look_at_watchdogs(SensorClock::time_point instant, const RtdeInputs& inputs) {

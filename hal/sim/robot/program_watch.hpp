@@ -2,7 +2,9 @@
 #pragma once
 /// \file What runs beside a program's moves: its threads, and the watchdogs it has set on RTDE inputs.
 
+#include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -35,6 +37,14 @@ class ProgramWatch {
   /// `step_s`: of the controller's cycle.
   ProgramWatch(Arm& arm, double step_s) : arm_{arm}, step_s_{step_s} {}
 
+  /// Force control and output registers, for threads: see ScriptWorld.
+  struct Beside {
+    std::function<ScriptPose()> tcp_force;
+    std::function<bool(std::string_view function, std::span<const ScriptValue> arguments)> act;
+    std::function<void()> program_ended;
+  };
+  void set_beside(Beside beside) { beside_ = std::move(beside); }
+
   /// What ended the program, for the log; empty: nothing.
   [[nodiscard]] std::string step(SensorClock::time_point instant, const RtdeInputs& inputs);
   /// Since the last call, in order.
@@ -47,6 +57,7 @@ class ProgramWatch {
   [[nodiscard]] std::string look_at_watchdogs(SensorClock::time_point instant, const RtdeInputs& inputs);
 
   Arm& arm_;
+  Beside beside_{};
   double step_s_;
   std::optional<ProgramThreads> threads_{};
   bool ended_{false};  ///< the program whose threads those were

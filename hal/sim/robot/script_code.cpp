@@ -2,6 +2,7 @@
 #include "hal/sim/robot/script_code.hpp"
 
 #include <algorithm>
+#include <array>
 #include <optional>
 #include <utility>
 
@@ -12,6 +13,18 @@ namespace {
 
 // What a thread may do without sleep or sync before its frame is over.
 constexpr int k_most_in_a_frame = 10'000;
+
+/// What a thread may ask of force control and of output registers, with its number of arguments.
+struct ActFunction {
+  std::string_view name;
+  std::size_t arguments;
+};
+constexpr std::array k_act_functions{ActFunction{"force_mode", 5},
+                                     ActFunction{"end_force_mode", 0},
+                                     ActFunction{"force_mode_set_damping", 1},
+                                     ActFunction{"force_mode_set_gain_scaling", 1},
+                                     ActFunction{"zero_ftsensor", 0},
+                                     ActFunction{"write_output_integer_register", 2}};
 
 /// A call that stands alone.
 Result<Instruction> call(RowReader& row, const std::string& name) {
@@ -35,6 +48,16 @@ Result<Instruction> call(RowReader& row, const std::string& name) {
       return row.wrong("an analog output 0 or 1 and a share");
     found.output = static_cast<int>(number);
     BITELINE_ASSIGN(found.value, row.expression());
+  } else if (const auto* known =
+                 std::ranges::find(k_act_functions, std::string_view{name}, &ActFunction::name);
+             known != k_act_functions.end()) {
+    found.kind = Instruction::Kind::Act;
+    found.name = name;
+    for (std::size_t i = 0; i < known->arguments; ++i) {
+      if (i > 0 && !row.take(",")) return row.wrong("','");
+      BITELINE_ASSIGN(Expression argument, row.expression());
+      found.arguments.push_back(std::move(argument));
+    }
   } else {
     return row.unknown(name);
   }
@@ -137,6 +160,17 @@ bool RunningThread::assign(const Instruction& now, const ScriptWorld& world, Scr
   return true;
 }
 
+bool RunningThread::act(const Instruction& now, const ScriptWorld& world,
+                        const ScriptVariables& globals) const {
+  std::vector<ScriptValue> values;
+  for (const Expression& argument : now.arguments) {
+    const std::optional<ScriptValue> value = value_of(argument, locals_, globals, world);
+    if (!value) return false;
+    values.push_back(*value);
+  }
+  return !world.act || world.act(now.name, values);
+}
+
 bool RunningThread::run_until(double time_s, const ScriptWorld& world, ScriptVariables& globals) {
   using Kind = Instruction::Kind;
   for (int done = 0; done < k_most_in_a_frame && at_ < code_->instructions.size() && time_s >= wake_s_;
@@ -150,6 +184,10 @@ bool RunningThread::run_until(double time_s, const ScriptWorld& world, ScriptVar
     }
     if (now.kind == Kind::Assign) {
       if (!assign(now, world, globals)) return true;
+      continue;
+    }
+    if (now.kind == Kind::Act) {
+      if (!act(now, world, globals)) return true;
       continue;
     }
     const std::optional<double> value = number_of(now, world, globals);

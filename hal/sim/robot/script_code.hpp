@@ -12,14 +12,15 @@
 namespace biteline::sim {
 
 struct Instruction {
-  enum class Kind { Assign, Jump, JumpUnless, Sleep, Sync, Output, Analog, Halt, Return, Row };
+  enum class Kind { Assign, Jump, JumpUnless, Sleep, Sync, Output, Analog, Act, Halt, Return, Row };
   Kind kind{Kind::Sync};
   int line{0};
-  std::string name{};     ///< Assign: the variable; Row: its text
+  std::string name{};     ///< Assign: the variable; Row: its text; Act: the function
   bool local{false};      ///< Assign: it is the thread's own
   Expression value{};     ///< Assign, JumpUnless, Sleep; Output: on or off; Analog: 0 to 1
   std::size_t target{0};  ///< Jump, JumpUnless
   int output{0};
+  std::vector<Expression> arguments{};  ///< Act
 };
 
 struct ScriptCode {
@@ -71,6 +72,8 @@ class RunningThread {
   [[nodiscard]] std::optional<double> number_of(const Instruction& now, const ScriptWorld& world,
                                                 const ScriptVariables& globals) const;
   [[nodiscard]] bool assign(const Instruction& now, const ScriptWorld& world, ScriptVariables& globals);
+  [[nodiscard]] bool act(const Instruction& now, const ScriptWorld& world,
+                         const ScriptVariables& globals) const;
 
   const ScriptCode* code_;
   ScriptVariables locals_;

@@ -34,7 +34,10 @@ constexpr std::array k_functions{Function{"p", 6},
                                  Function{"pose_trans", 2},
                                  Function{"pose_inv", 1},
                                  Function{"point_dist", 2},
+                                 Function{"get_tcp_force", 0},
                                  Function{"sqrt", 1}};
+/// No program can name these: a list of six, and the number at a place of one.
+constexpr const char *k_list = "[", *k_at = "[]";
 
 bool is_word(char c) {
   return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_';
@@ -66,7 +69,8 @@ std::optional<ScriptValue> of_numbers(std::string_view name, const std::vector<d
   if (name == "read_input_integer_register")
     return static_cast<double>(world.input_register(static_cast<int>(n[0])));
   if (name == "sqrt") return n[0] < 0 ? std::nullopt : std::optional<ScriptValue>{std::sqrt(n[0])};
-  if (name == "p") return ScriptPose{n[0], n[1], n[2], n[3], n[4], n[5]};
+  if (name == "get_tcp_force") return world.tcp_force ? world.tcp_force() : ScriptPose{};
+  if (name == "p" || name == k_list) return ScriptPose{n[0], n[1], n[2], n[3], n[4], n[5]};
   return std::nullopt;
 }
 
@@ -78,7 +82,16 @@ std::optional<ScriptValue> of_poses(std::string_view name, const std::vector<Scr
   return std::nullopt;
 }
 
+/// The number at a place of a list or pose.
+std::optional<ScriptValue> at_place(const ScriptValue& list, const ScriptValue& place) {
+  const auto* numbers = std::get_if<ScriptPose>(&list);
+  const auto* index = std::get_if<double>(&place);
+  if (numbers == nullptr || index == nullptr || !(*index >= 0 && *index < 6)) return std::nullopt;
+  return (*numbers)[static_cast<std::size_t>(*index)];
+}
+
 std::optional<ScriptValue> called(std::string_view name, Values values, const ScriptWorld& world) {
+  if (name == k_at) return at_place(values[0], values[1]);
   std::vector<double> numbers;
   std::vector<ScriptPose> poses;
   for (const ScriptValue& value : values) {
@@ -225,6 +238,7 @@ Result<Expression> RowReader::single() {
     return Expression{
         .kind = Expression::Kind::Operator, .word = minus ? "-" : "not", .arguments = {std::move(of)}};
   }
+  if (take("[")) return list(k_list, 6, "]");
   if (std::isalpha(static_cast<unsigned char>(text_.front())) == 0 && text_.front() != '_') {
     BITELINE_ASSIGN(const double value, number());
     return Expression{.value = value};
@@ -233,14 +247,23 @@ Result<Expression> RowReader::single() {
   if (name == "True" || name == "False") return Expression{.value = name == "True" ? 1.0 : 0.0};
   if (take("(")) return call(name, ")");
   if (name == "p" && take("[")) return call(name, "]");
-  return Expression{.kind = Expression::Kind::Variable, .word = name};
+  Expression variable{.kind = Expression::Kind::Variable, .word = name};
+  if (!take("[")) return variable;
+  BITELINE_ASSIGN(Expression place, expression());
+  if (!take("]")) return wrong("']'");
+  return Expression{
+      .kind = Expression::Kind::Call, .word = k_at, .arguments = {std::move(variable), std::move(place)}};
 }
 
 Result<Expression> RowReader::call(const std::string& name, std::string_view closing) {
   const auto* known = std::ranges::find(k_functions, std::string_view{name}, &Function::name);
   if (known == k_functions.end()) return unknown(name);
+  return list(name, known->arguments, closing);
+}
+
+Result<Expression> RowReader::list(const std::string& name, std::size_t count, std::string_view closing) {
   Expression found{.kind = Expression::Kind::Call, .word = name};
-  for (std::size_t i = 0; i < known->arguments; ++i) {
+  for (std::size_t i = 0; i < count; ++i) {
     if (i > 0 && !take(",")) return wrong("','");
     BITELINE_ASSIGN(Expression argument, expression());
     found.arguments.push_back(std::move(argument));

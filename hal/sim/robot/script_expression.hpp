@@ -6,6 +6,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -23,7 +24,7 @@ using ScriptPose = std::array<double, 6>;
 [[nodiscard]] SE3 to_se3(const ScriptPose& pose);
 [[nodiscard]] ScriptPose to_script_pose(const SE3& T);
 
-/// A number (True is 1), or a pose.
+/// A number (True is 1), or a pose; a list of six numbers is kept as one.
 using ScriptValue = std::variant<double, ScriptPose>;
 using ScriptVariables = std::map<std::string, ScriptValue, std::less<>>;
 
@@ -34,6 +35,10 @@ struct ScriptWorld {
   double step_s{0.002};                        ///< of the controller's cycle
   std::function<void(int number, bool on)> set_output;
   std::function<void(int number, double ratio)> set_analog;
+  /// On the tool at its tip, in base axes: N and Nm, as the controller's sensor tells; none: zero.
+  std::function<ScriptPose()> tcp_force{};
+  /// What a thread asks of force control and output registers; false: it cannot be done; none: nothing is.
+  std::function<bool(std::string_view function, std::span<const ScriptValue> arguments)> act{};
 };
 
 struct Expression {
@@ -48,9 +53,10 @@ struct Expression {
 [[nodiscard]] std::optional<ScriptValue> value_of(const Expression& expression, const ScriptVariables& locals,
                                                   const ScriptVariables& globals, const ScriptWorld& world);
 
-/// Reads one row from its beginning.  or, and, not; == != < > <= >=; + - * /; brackets; p[...]; the functions
-/// read_input_integer_register, get_target_tcp_pose, get_actual_tcp_pose, get_steptime, pose_trans, pose_inv,
-/// point_dist, sqrt.
+/// Reads one row from its beginning.  or, and, not; == != < > <= >=; + - * /; brackets; p[...]; lists of six
+/// numbers, and a variable's number by its place; the functions read_input_integer_register,
+/// get_target_tcp_pose, get_actual_tcp_pose, get_tcp_force, get_steptime, pose_trans, pose_inv, point_dist,
+/// sqrt.
 class RowReader {
  public:
   RowReader(std::string_view text, int line) : text_{text}, line_{line} {}
@@ -70,6 +76,7 @@ class RowReader {
   [[nodiscard]] Result<Expression> level(std::size_t index);
   [[nodiscard]] Result<Expression> single();
   [[nodiscard]] Result<Expression> call(const std::string& name, std::string_view closing);
+  [[nodiscard]] Result<Expression> list(const std::string& name, std::size_t count, std::string_view closing);
   void skip();
 
   std::string_view text_;

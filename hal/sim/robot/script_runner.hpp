@@ -19,6 +19,8 @@ class ScriptRunner {
   /// `step_s`: of the controller's cycle.
   ScriptRunner(Arm& arm, double step_s) : arm_{arm}, watch_{arm, step_s} {}
 
+  void set_beside(ProgramWatch::Beside beside) { watch_.set_beside(std::move(beside)); }
+
   /// Takes the place of what is on.  `q_rad`: of the arm, where they are known.  A secondary program moves
   /// nothing, and what is on goes on.
   void run(ProgramText program, const std::optional<JointVector>& q_rad, SensorClock::time_point instant);

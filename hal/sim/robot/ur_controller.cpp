@@ -58,8 +58,19 @@ UrController::UrController(const Config& config, Arm& arm, OnCycle on_cycle)
       on_cycle_(std::move(on_cycle)),
       values_(arm.kinematics()),
       runner_(arm, 1.0 / config.rate_hz),
+      force_(config.force, config.touch),
       slider_wish_{config.speed_slider_ratio},
-      pace_ratio_{config.speed_slider_ratio} {}
+      pace_ratio_{config.speed_slider_ratio} {
+  runner_.set_beside(
+      {.tcp_force =
+           [this] {
+             const Vec3& f = force_.told_newton();
+             return ScriptPose{f.x(), f.y(), f.z(), 0, 0, 0};
+           },
+       .act = [this](std::string_view function,
+                     std::span<const ScriptValue> arguments) { return act(function, arguments); },
+       .program_ended = [this] { force_.end(); }});
+}
 
 UrController::~UrController() {
   stopping_ = true;
@@ -186,6 +197,26 @@ void UrController::run_program(SensorClock::time_point instant) {
     client->session.send_text({.level = rtde::TextLevel::Warning, .text = cut, .source = "program"});
 }
 
+bool UrController::act(std::string_view function, std::span<const ScriptValue> arguments) {
+  if (function != "write_output_integer_register") return force_.act(function, arguments);
+  const auto* number = std::get_if<double>(arguments.data());
+  const auto* value = std::get_if<double>(&arguments[1]);
+  if (number == nullptr || value == nullptr) return false;
+  values_.set_output_register(static_cast<int>(*number), static_cast<int>(*value));
+  return true;
+}
+
+void UrController::step_force(SensorClock::time_point instant) {
+  const ArmState state = arm_.at(instant);
+  SE3 T_base_tcp = state.T_base_flange * state.T_flange_tcp;
+  // A program that has ended leaves the arm where force mode had brought it.
+  if (!state.program_running) force_.stand();
+  T_base_tcp.translation() -= force_.off_base_mm();
+  force_.step(T_base_tcp, 1.0 / config_.rate_hz);
+  if (state.program_running) arm_.set_off(force_.off_base_mm(), instant);
+  values_.set_tcp_force(force_.told_newton());
+}
+
 void UrController::send_states(std::uint64_t number, const ArmState& state) {
   const std::uint64_t cycles_per_state = static_cast<std::uint64_t>(std::max(1, config_.rate_hz / 10));
   const bool due = std::exchange(states_sent_, number / cycles_per_state) != number / cycles_per_state;
@@ -209,6 +240,7 @@ void UrController::cycle(std::uint64_t number) {
   const auto instant = instant_of(number);
   set_arms_speed(instant);
   run_program(instant);
+  step_force(instant);
   const ArmState state = arm_state(instant);
   const ArmReal real = arm_.real_at(instant);
   const Nanoseconds stamp = instant.time_since_epoch() + config_.clock_offset;

@@ -12,6 +12,7 @@
 
 #include "hal/sim/robot/arm.hpp"
 #include "hal/sim/robot/dashboard.hpp"
+#include "hal/sim/robot/force_control.hpp"
 #include "hal/sim/robot/power.hpp"
 #include "hal/sim/robot/robot_api.hpp"
 #include "hal/sim/robot/script_runner.hpp"
@@ -49,6 +50,9 @@ class UrController {
     Nanoseconds unlocks_after{5'000'000'000};
     /// false: the setting "remote control" is off: it says that it is not in remote control, and takes all.
     bool remote_control_enabled{true};
+    /// The force sensor and force mode of the arm, and what the tool meets; none: nothing.
+    ForceFacts force{};
+    Touch touch{};
   };
   struct Ports {
     std::uint16_t rtde, script, dashboard, robot_api, primary;  ///< 0: it has none
@@ -130,6 +134,8 @@ class UrController {
   [[nodiscard]] bool takes_programs() const;
   [[nodiscard]] ArmState arm_state(SensorClock::time_point instant) const;
   void run_program(SensorClock::time_point instant);
+  [[nodiscard]] bool act(std::string_view function, std::span<const ScriptValue> arguments);
+  void step_force(SensorClock::time_point instant);
   void watch_safety(SensorClock::time_point instant);
   void take(const ProgramNews& news);
   void send_states(std::uint64_t number, const ArmState& state);
@@ -146,6 +152,7 @@ class UrController {
   OnCycle on_cycle_;
   UrValues values_;
   ScriptRunner runner_;
+  ForceControl force_;
   TcpListener rtde_listener_, script_listener_, dashboard_listener_, robot_api_listener_, primary_listener_;
   std::shared_ptr<rtde::InputOwners> input_owners_{std::make_shared<rtde::InputOwners>()};
   std::atomic<bool> remote_control_{true}, protective_stop_{false}, close_scripts_{false};

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdlib>
 #include <utility>
 
 #include "hal/linux/posix/descriptor.hpp"
@@ -169,6 +170,14 @@ rtde::Value UrValues::value_of(std::string_view name) const {
   if (name == "speed_scaling") return speed_scaling_;
   if (name == "target_speed_fraction") return speed_slider_ratio_;
   if (const auto input = inputs_.find(name); input != inputs_.end()) return input->second;
+  if (name == "actual_TCP_force")
+    return rtde::Vector6{tcp_force_newton_.x(), tcp_force_newton_.y(), tcp_force_newton_.z(), 0, 0, 0};
+  constexpr std::string_view k_register = "output_int_register_";
+  if (name.starts_with(k_register)) {
+    const int number = std::atoi(std::string{name.substr(k_register.size())}.c_str());
+    const auto known = output_registers_.find(number);
+    return known == output_registers_.end() ? std::int32_t{0} : known->second;
+  }
   if (name == "payload") return state_.payload.mass_kg;
   if (name == "payload_cog") {
     const Vec3 centre_m = k_m_per_mm * state_.payload.centre_mm;

@@ -17,7 +17,7 @@ namespace biteline::sim {
 /// One controller cycle.  Call advance() once for each cycle, in order; speeds are differences to the cycle
 /// before. What is named target is the program's, what is named actual the encoders'. Joints are followed
 /// from cycle to cycle; where the links do not reach they keep their last values. What the simulation does
-/// not have (forces, currents, temperatures) reads 0.
+/// not have (currents, temperatures) reads 0.
 class UrValues final : public rtde::ValueSource, public RtdeInputs {
  public:
   explicit UrValues(const ArmKinematics& kinematics) : kinematics_(kinematics) {}
@@ -33,6 +33,10 @@ class UrValues final : public rtde::ValueSource, public RtdeInputs {
   /// Held by the safety system, as after a collision.
   void set_protective_stop(bool on) { protective_stop_ = on; }
   void set_mode(RobotMode mode) { mode_ = mode; }
+  /// On the tool at its tip, N in base axes, as the sensor tells it.
+  void set_tcp_force(const Vec3& newton) { tcp_force_newton_ = newton; }
+  /// output_int_register_N, as a program wrote it.
+  void set_output_register(int number, int value) { output_registers_[number] = value; }
   [[nodiscard]] double speed_slider_ratio() const { return speed_slider_ratio_; }
   /// Standard inputs 0 to 7, as bits.
   void set_digital_inputs(std::uint64_t bits) { digital_inputs_ = bits; }
@@ -56,6 +60,8 @@ class UrValues final : public rtde::ValueSource, public RtdeInputs {
   bool protective_stop_{false};
   RobotMode mode_{RobotMode::Running};
   std::uint64_t digital_inputs_{0};
+  Vec3 tcp_force_newton_{Vec3::Zero()};
+  std::map<int, std::int32_t> output_registers_;
   std::map<std::string, rtde::Value, std::less<>> inputs_;
   std::map<std::string, SensorClock::time_point> written_;
   std::optional<JointVector> q_rad_;
