@@ -98,6 +98,18 @@ constexpr std::array k_help{
     Help{"flow.purge_x_mm", "Place of the tip then, in the arm's base; the tool points straight down"},
     Help{"flow.purge_y_mm", "Likewise"},
     Help{"flow.purge_z_mm", "Likewise, upwards"},
+    Help{"force.set_n", "How hard the tool presses, against the upper's own normal; 0: by position alone"},
+    Help{"force.contact_n", "From here on the tool touches; the force grows from it as the tool sets out"},
+    Help{"force.approach_mm_s", "Speed of the tip until it touches"},
+    Help{"force.reach_mm", "How far the tip may leave its path along the force, either way"},
+    Help{"force.ramp_mm", "Over which the force grows and falls at the ends of each run"},
+    Help{"force.limit_mm_s", "Highest speed of the tip along the force"},
+    Help{"force.damping", "Of the arm's force mode, 0 to 1"},
+    Help{"force.gain", "Of the arm's force mode; a soft tool takes more, a hard shoe less"},
+    Help{"force.most_n", "Above it the run ends"},
+    Help{"force.lost_ms", "Without contact for so long the run ends"},
+    Help{"force.tolerance_percent",
+         "Of the set force; farther off for follow.stall_s the run is stopped; 0: not watched"},
 };
 
 Json bounds_of(const KeyAsked& key) {
@@ -159,7 +171,7 @@ Json value_of(const KeyAsked& key) {
 std::string unit_of(const std::string& key) {
   constexpr std::array k_units{Help{"_mm_s2", "mm/s2"}, Help{"_mm_s", "mm/s"}, Help{"_mm", "mm"},
                                Help{"_deg", "degrees"}, Help{"_kg", "kg"},     Help{"_ms", "ms"},
-                               Help{"_s", "s"},         Help{"_percent", "%"}};
+                               Help{"_s", "s"},         Help{"_percent", "%"}, Help{"_n", "N"}};
   for (const Help& unit : k_units) {
     if (key.ends_with(unit.path)) return std::string{unit.text};
   }

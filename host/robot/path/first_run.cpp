@@ -31,4 +31,10 @@ PlanRequest first_run(PlanRequest request) {
   return request;
 }
 
+PlanRequest force_air_run(PlanRequest request) {
+  request.process.placement.outward_mm += k_force_air_out_mm;
+  request.tool_off = true;
+  return request;
+}
+
 }  // namespace biteline::path

@@ -22,4 +22,11 @@ inline constexpr double k_first_run_clear_mm = 10;
 /// the tip may stand is at least the usual, as it dwells on nothing.
 [[nodiscard]] PlanRequest first_run(PlanRequest request);
 
+inline constexpr double k_force_air_out_mm = 10;
+
+/// Beside the shoe at the speed of the work, the tool off, nothing that presses: what the force sensor tells
+/// there is its own error by the place (force_learning.hpp).  After a first run; so near that the sensor's
+/// error is the same, and as far off as a line's uncertainty and a tool's unevenness allow.
+[[nodiscard]] PlanRequest force_air_run(PlanRequest request);
+
 }  // namespace biteline::path

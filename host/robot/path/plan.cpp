@@ -11,6 +11,7 @@
 #include "host/robot/path/checks/sight.hpp"
 #include "host/robot/path/checks/way_there.hpp"
 #include "host/robot/path/entry.hpp"
+#include "host/robot/path/force.hpp"
 #include "host/robot/path/purge.hpp"
 #include "host/robot/path/tip_bound.hpp"
 #include "host/robot/path/zones.hpp"
@@ -149,6 +150,7 @@ PlannedPath assembled(const PlanRequest& request, const ToolPath& path, const Jo
                   .motion = request.process.motion,
                   .digital_output = request.process.digital_output,
                   .flow = request.process.flow,
+                  .force = request.process.force,
                   .standoff_mm = request.process.placement.standoff_mm,
                   .overlap_mm = is_closed(request.process) ? request.process.motion.overlap_mm : 0,
                   .tool_off = request.tool_off,
@@ -170,6 +172,7 @@ PlannedPath assembled(const PlanRequest& request, const ToolPath& path, const Jo
     if (!timing.acceleration_mm_s2.empty())
       out.waypoints.back().acceleration_mm_s2 = timing.acceleration_mm_s2[i];
   }
+  set_forces(out, path.points, request.process);
   out.give_mm = largest_give_mm(out, request.arm);
   if (purges(out.flow, out.tool_off))
     out.purge_rad = purge_posture(request.arm, request.process.tool, *out.flow, out.waypoints.front().q_rad);

@@ -179,6 +179,11 @@ Zone read_zone(YamlReader& reader, const Process& process) {
   return zone;
 }
 
+/// From the beginning of force mode until the tip must have touched.
+double seek_s(const Force& force) {
+  return force.reach_mm / force.approach_mm_s;
+}
+
 /// A tip that works slowly must not be taken for one that stands.
 void check_stall(YamlReader& reader, const Process& process) {
   double slowest_mm_s = process.motion.speed_mm_s;
@@ -186,6 +191,9 @@ void check_stall(YamlReader& reader, const Process& process) {
     slowest_mm_s = std::min(slowest_mm_s, zone.speed_ratio * process.motion.speed_mm_s);
   if (process.placement.standoff_mm > 0) slowest_mm_s *= k_least_tip_ratio;
   const double waits_s = process.flow ? process.flow->gun_on_s + process.flow->dwell_s : 0;
+  if (process.force && seek_s(*process.force) > process.follow.stall_s / 2)
+    reader.fault(Errc::BadValue, "force.approach_mm_s",
+                 "with reach_mm so fast that the tool touches within half of follow.stall_s");
   if (waits_s > process.follow.stall_s / 2)
     reader.fault(Errc::BadValue, "flow.dwell_ms",
                  "with gun_on_ms at most half of follow.stall_s, or the tip seems to stand");
@@ -239,6 +247,33 @@ bool says_anything(const Flow& flow, double overlap_mm) {
          flow.purge_s > 0 || flow.film_overlap_mm < overlap_mm;
 }
 
+std::optional<Force> read_force(YamlReader reader) {
+  constexpr double k_s_per_ms = 1e-3, k_per_percent = 1e-2;
+  const Force d;
+  const double set_newton = reader.number_or("set_n", 0, {.minimum = 0, .maximum = 200});
+  const Force force{
+      .set_newton = set_newton,
+      .contact_newton = reader.number_or("contact_n", d.contact_newton, {.minimum = 1, .maximum = 50}),
+      .approach_mm_s = reader.number_or("approach_mm_s", d.approach_mm_s, {.minimum = 0.5, .maximum = 50}),
+      .reach_mm = reader.number_or("reach_mm", d.reach_mm, {.minimum = 0.2, .maximum = 10}),
+      .ramp_mm = reader.number_or("ramp_mm", d.ramp_mm, {.minimum = 0.5, .maximum = 50}),
+      .limit_mm_s = reader.number_or("limit_mm_s", d.limit_mm_s, {.minimum = 1, .maximum = 100}),
+      .damping_ratio = reader.number_or("damping", d.damping_ratio, {.minimum = 0, .maximum = 1}),
+      .gain_ratio = reader.number_or("gain", d.gain_ratio, {.minimum = 0.05, .maximum = 2}),
+      .most_newton = reader.number_or("most_n", d.most_newton, {.minimum = 2, .maximum = 250}),
+      .lost_s =
+          reader.number_or("lost_ms", d.lost_s / k_s_per_ms, {.minimum = 20, .maximum = 2000}) * k_s_per_ms,
+      .tolerance_ratio = reader.number_or("tolerance_percent", d.tolerance_ratio / k_per_percent,
+                                          {.minimum = 0, .maximum = 200}) *
+                         k_per_percent};
+  if (set_newton == 0) return std::nullopt;
+  if (set_newton < 2 * force.contact_newton)
+    reader.fault(Errc::BadValue, "set_n", "0, or at least twice contact_n");
+  if (force.most_newton < 1.2 * set_newton)
+    reader.fault(Errc::BadValue, "most_n", "at least 1.2 times set_n");
+  return force;
+}
+
 Start read_start(YamlReader& reader) {
   const std::string word = reader.choice_or_first("start", {"auto", "nearest", "farthest"});
   if (word == "nearest") return Start::Nearest;
@@ -274,6 +309,9 @@ Process read_all(YamlReader& reader) {
     if (process.digital_output < 0)
       reader.fault(Errc::BadValue, "digital_output", "the gun's output, 0 to 7, where there is a flow");
   }
+  process.force = read_force(reader.child("force", false));
+  if (process.force && process.placement.standoff_mm > 0)
+    reader.fault(Errc::BadValue, "force.set_n", "0 where the tool stands off (placement.standoff_mm)");
   if (process.after_work != AfterWork::None && !(covered_width_mm(process) > 0))
     reader.fault(Errc::BadValue, "after_work", "a look needs the band's width: coverage expected");
   check_stall(reader, process);

@@ -109,6 +109,33 @@ struct Flow {
   Vec3 purge_at_base{Vec3::Zero()};  ///< where the tip is then, in the arm's base, the tool straight down
 };
 
+/// How hard the tool presses along the line.  The arm's force mode keeps the force; across it the arm keeps
+/// the path.
+struct Force {
+  double set_newton{20};
+  double contact_newton{3};   ///< from here on the tool touches; half of it: it does not any more
+  double approach_mm_s{5};    ///< of the tip until it touches
+  double reach_mm{3};         ///< along the force, how far the tip may leave its path either way
+  double ramp_mm{5};          ///< of each run's beginning and end, from the touch to the set force and back
+  double limit_mm_s{20};      ///< of the tip along the force
+  double damping_ratio{0.3};  ///< of force mode, 0 to 1
+  double gain_ratio{1};       ///< of force mode, 0 to 2; a hard shoe asks for less
+  double most_newton{60};     ///< above it the run ends
+  double lost_s{0.15};        ///< without touching: the run ends
+  /// Of the set force, from the arm's own reading; farther off for follow.stall_s the run is stopped.  0: not
+  /// watched.
+  double tolerance_ratio{0.5};
+};
+
+/// Of a model's shoes at one cell (force_learning.hpp), by even places round the line from the heel's end,
+/// anticlockwise.
+struct ForceLearned {
+  double set_newton{0};  ///< that it was learned at
+  int air_runs{0}, shoes{0};
+  std::vector<Vec3> error_tcp{};  ///< N, of the sensor: what it tells, in tcp axes, where nothing presses
+  std::vector<double> ahead_newton{};  ///< added to the set force beyond that
+};
+
 /// What must hold before a path is sent.
 struct GateLimits {
   double scan_age_s{120};  ///< from the scan's end: the shoe may be moved later on
@@ -177,10 +204,12 @@ struct Process {
   GateLimits gate{};
   Start start{Start::Auto};
   AfterWork after_work{AfterWork::None};
-  int digital_output{-1};      ///< switched on along the line; -1: none
-  std::optional<Flow> flow{};  ///< none: on from the beginning to the end, at whatever speed
-  std::string foot{};          ///< that its stretches are told on, left or right; empty: on either one
-  std::vector<Zone> zones{};   ///< where two meet, the first one counts
+  int digital_output{-1};                       ///< switched on along the line; -1: none
+  std::optional<Flow> flow{};                   ///< none: on from the beginning to the end, at whatever speed
+  std::optional<Force> force{};                 ///< none: by position alone
+  std::optional<ForceLearned> force_learned{};  ///< of the model; of no process file
+  std::string foot{};         ///< that its stretches are told on, left or right; empty: on either one
+  std::vector<Zone> zones{};  ///< where two meet, the first one counts
   /// What of the line is worked of all that the zones leave; empty: all.  Of no file: rework and test lines.
   std::vector<Piece> only{};
 };

@@ -209,6 +209,7 @@ void set_curvature(std::vector<ToolPoint>& points) {
 struct Job {
   Sampling line;
   std::vector<PlaceWork> work;
+  std::vector<double> round_ratio{};  ///< of a process with a force
   double shared_u95_mm{0};
 
   [[nodiscard]] std::size_t count() const { return line.samples.size(); }
@@ -268,16 +269,17 @@ std::vector<ToolPoint> along_run(const Job& job, const Run& run, const FineWay& 
     for (std::size_t j = 0; j <= 2 * half; ++j)
       u95_mm = larger(u95_mm, job.sample(k + job.count() + j - half).u95_mm);
     const Vec3 line_base = (1 - place.fraction) * a + place.fraction * b;
-    points.push_back(
-        {.T_base_tcp = pose_at(way, place),
-         .segment = Segment::Line,
-         .arc_mm = 0,
-         .curvature_per_mm = 0,
-         .line_base = line_base,
-         .u95_mm = u95_at_tip(u95_mm, job.shared_u95_mm, (place.tip - line_base).norm(),
-                              job.line.direction_sigma_mm),
-         .speed_ratio = std::min(k_most_speed_ratio, job.work[k % job.count()].speed_ratio *
-                                                         tip_ratio(job, run, way, place.sample))});
+    points.push_back({.T_base_tcp = pose_at(way, place),
+                      .segment = Segment::Line,
+                      .arc_mm = 0,
+                      .curvature_per_mm = 0,
+                      .line_base = line_base,
+                      .u95_mm = u95_at_tip(u95_mm, job.shared_u95_mm, (place.tip - line_base).norm(),
+                                           job.line.direction_sigma_mm),
+                      .speed_ratio = std::min(k_most_speed_ratio, job.work[k % job.count()].speed_ratio *
+                                                                      tip_ratio(job, run, way, place.sample)),
+                      .press_base = -job.sample(k).normal,
+                      .round_ratio = job.round_ratio.empty() ? 0 : job.round_ratio[k % job.count()]});
   }
   set_curvature(points);
   return points;
@@ -347,6 +349,7 @@ Job job_of(const cloud::ClosedLine& line, const Process& process) {
   std::vector<Vec3> places;
   for (const PathSample& sample : job.line.samples) places.push_back(sample.position);
   job.work = work_along(places, job.line.fine_mm, process);
+  if (process.force) job.round_ratio = round_ratios(places);
   job.shared_u95_mm = job.sample(0).u95_mm.value_or(0);
   for (const PathSample& sample : job.line.samples)
     job.shared_u95_mm = std::min(job.shared_u95_mm, sample.u95_mm.value_or(0));

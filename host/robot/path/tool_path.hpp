@@ -22,6 +22,8 @@ struct ToolPoint {
   Vec3 line_base;                  ///< the point of the bite line it belongs to
   std::optional<double> u95_mm{};  ///< of the line, carried to the tip; on the line only, none: not known
   double speed_ratio{1};           ///< the tip's, of the process's speed along the line
+  Vec3 press_base{Vec3::Zero()};   ///< against the surface's normal; on the line only, unit length
+  double round_ratio{0};           ///< of the place on the line: of its length from the heel's end
 };
 
 struct ToolPath {

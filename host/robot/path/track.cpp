@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "host/geometry/robust.hpp"
+#include "host/robot/path/force.hpp"
 #include "host/robot/path/place.hpp"
 
 namespace biteline::path {
@@ -56,9 +57,9 @@ class Passed {
   void add(const PathPlace& place, const TrackSample& sample) {
     const Vec3 tip = sample.T_base_tcp.translation();
     for (const std::size_t i : {place.segment, place.segment + 1}) {
-      if ((tip - path_.waypoints[i].T_base_tcp.translation()).norm() < within_mm_) passed_[i] = true;
+      if (off_waypoint_mm(path_, i, tip) < within_mm_) passed_[i] = true;
     }
-    const bool near = place.distance_mm < within_mm_;
+    const bool near = off_path_mm(path_, place, tip) < within_mm_;
     const double gap_s = sample.time_s - last_time_s_, arc_mm = arc_at(path_, place);
     const bool follows = arc_mm - last_arc_mm_ <= fastest_mm_s_ * gap_s + k_passed_mm;
     if (near && last_near_ && gap_s <= k_unseen_s && follows) {
@@ -148,11 +149,13 @@ TrackDeviation deviation(const PlannedPath& path, std::span<const TrackSample> t
     if (!on_line) continue;
     const SE3 T_planned = pose_at(path, place);
     ++out.samples;
-    sum_mm += place.distance_mm;
-    sum_mm2 += place.distance_mm * place.distance_mm;
-    from_path_mm.push_back(place.distance_mm);
-    if (place.distance_mm > out.max_mm) {
-      out.max_mm = place.distance_mm;
+    // Where the path presses, the force is kept and not the place along it.
+    const double off_mm = off_path_mm(path, place, tip);
+    sum_mm += off_mm;
+    sum_mm2 += off_mm * off_mm;
+    from_path_mm.push_back(off_mm);
+    if (off_mm > out.max_mm) {
+      out.max_mm = off_mm;
       out.max_at_mm = arc_at(path, place);
     }
     out.max_rad =

@@ -152,6 +152,10 @@ bool needs_foot(const Process& process) {
   return !process.foot.empty() && std::ranges::any_of(process.zones, stretch);
 }
 
+std::vector<double> round_ratios(std::span<const Vec3> line) {
+  return Places{line}.round_ratio;
+}
+
 ShoeEnds shoe_ends(std::span<const Vec3> line) {
   const auto count = static_cast<double>(line.size());
   Vec2 mean = Vec2::Zero();

@@ -22,6 +22,10 @@ struct ShoeEnds {
 };
 [[nodiscard]] ShoeEnds shoe_ends(std::span<const Vec3> line);
 
+/// How far each of evenly spaced places lies from the heel's end, anticlockwise, as a share of the line's
+/// length.
+[[nodiscard]] std::vector<double> round_ratios(std::span<const Vec3> line);
+
 /// What is done at one place of the line.
 struct PlaceWork {
   int zone{-1};  ///< index in Process::zones; -1: none

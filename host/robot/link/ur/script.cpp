@@ -6,8 +6,10 @@
 
 #include "common/core/fixed_text.hpp"
 #include "host/robot/link/ur/flow_script.hpp"
+#include "host/robot/link/ur/force_script.hpp"
 #include "host/robot/link/ur/units.hpp"
 #include "host/robot/path/checks/program_check.hpp"
+#include "host/robot/path/force.hpp"
 #include "host/robot/path/targets.hpp"
 
 namespace biteline::robot::ur {
@@ -84,6 +86,15 @@ std::string rounded_moves(const char* command, const PlannedPath& path, const pa
   return text;
 }
 
+/// Of the tip's way over a run.
+double length_mm(const PlannedPath& path, const path::PathRun& run) {
+  double way_mm = 0;
+  for (std::size_t i = run.first; i < run.last; ++i)
+    way_mm +=
+        (path.waypoints[i + 1].T_base_tcp.translation() - path.waypoints[i].T_base_tcp.translation()).norm();
+  return way_mm;
+}
+
 /// Ends with its program, whether that comes to its end or is stopped.
 std::string dead_man(int beat_register, const ToolOutputs& outputs) {
   std::string text = Line::format("  rtde_set_watchdog(\"input_int_register_%d\", %g, \"stop\")\n",
@@ -118,7 +129,7 @@ std::string urscript(const path::CheckedPath& checked, const std::optional<int>&
   const auto& w = path.waypoints;
   std::string text = std::string{"def "} + k_program_name + "():\n";
   const ToolOutputs outputs = outputs_of(path);
-  const bool flows = path.flow && !path.tool_off;
+  const bool flows = path.flow && !path.tool_off, presses = path::presses(path);
   if (beat_register) text += dead_man(*beat_register, outputs);
   text += Line::format("  set_tcp(%s)\n", pose_text(path.T_flange_tcp).c_str()).view();
   if (path.payload) text += payload_text(*path.payload).view();
@@ -130,20 +141,34 @@ std::string urscript(const path::CheckedPath& checked, const std::optional<int>&
     if (flows && path.purge_via == i) text += flow_purge(path);
   }
   if (flows) text += flow_thread(path);
+  if (presses) text += force_thread(path, outputs);
   text += joint_move_text(w.front().q_rad, way_rad_s).view();
   std::size_t at = 0;
+  double pressed_mm = 0;
   bool closes = path.overlap_mm > 0;
   for (const path::PathRun& run : path::rounded_runs(path)) {
     const bool on_line = w[run.last].segment == Segment::Line;
+    if (presses && on_line) {
+      // The last step of the way in: near to the touch, and beside the shoe.
+      const std::size_t free = std::max(at, run.first > 0 ? run.first - 1 : 0);
+      text += straight_moves(path, at, free) + force_zero();
+      at = free;
+    }
     text += straight_moves(path, at, run.first);
     if (on_line) text += tool_begins(path, run, std::exchange(closes, false));
+    if (presses && on_line) text += force_begins(path, pressed_mm);
     text += rounded_moves(on_line ? "movep" : "movel", path, run);
     if (on_line && flows) text += flow_ends();
+    if (presses && on_line) {
+      text += force_ends();
+      pressed_mm += length_mm(path, run);
+    }
     if (on_line) text += outputs_off(outputs);
     at = run.last;
   }
   text += straight_moves(path, at, w.size() - 1);
   if (flows) text += "  kill biteline_flowing\n";
+  if (presses) text += "  kill biteline_forcing\n";
   if (beat_register) text += "  kill biteline_watch\n";
   text += "end\n";
   return text;

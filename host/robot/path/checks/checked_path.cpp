@@ -6,6 +6,7 @@
 
 #include "host/robot/kinematics/chain.hpp"
 #include "host/robot/path/checks/fixture.hpp"
+#include "host/robot/path/checks/force_check.hpp"
 #include "host/robot/path/checks/program_check.hpp"
 
 namespace biteline::path {
@@ -217,6 +218,7 @@ CheckOutcome check_path(PlannedPath path, const ArmModel& arm, const CollisionMo
   out.checks.push_back(tip_check(path, collisions, limits.least_tip_mm));
   out.checks.push_back(clearance_check(path, arm, collisions, limits.least_clearance_mm));
   for (Check& check : program_checks(path)) out.checks.push_back(std::move(check));
+  for (Check& check : force_checks(path)) out.checks.push_back(std::move(check));
   if (all_passed(out.checks)) out.path = PathChecker::passed(std::move(path));
   return out;
 }

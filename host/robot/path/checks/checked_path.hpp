@@ -25,6 +25,9 @@ struct Waypoint {
   std::optional<double> u95_mm{};
   double speed_ratio{1};                       ///< the tip's, of the process's speed along the line
   std::optional<double> acceleration_mm_s2{};  ///< of the move to it; none: the process's
+  Vec3 press_base{Vec3::Zero()};  ///< of a path with a force: into the shoe, unit; zero beside the line
+  double force_newton{0};         ///< along it, with what was learned
+  double round_ratio{0};          ///< of its place on the line: of the line's length from the heel's end
 };
 
 struct PlannedPath {
@@ -35,6 +38,7 @@ struct PlannedPath {
   Motion motion;  ///< as the process has it, but for the spacing, which is what the path was made with
   int digital_output{-1};
   std::optional<Flow> flow{};                 ///< of the process
+  std::optional<Force> force{};               ///< of the process
   double standoff_mm{0};                      ///< of the place that is worked, from the tip along its axis
   double overlap_mm{0};                       ///< of the first run on the line with itself; 0: it stays open
   bool tool_off{false};                       ///< the output is switched off where it would be switched on
