@@ -79,7 +79,8 @@ Result<robot::ur::DoorPlaces> doors_of(const ControllerAddress& controller) {
 }
 
 Result<std::shared_ptr<robot::RobotLink>> open_robot(const ControllerAddress& controller,
-                                                     double connect_patience_s, robot::ur::ArmClaim* claim) {
+                                                     double connect_patience_s, robot::ur::ArmClaim* claim,
+                                                     bool ask_force) {
   if (controller.other) return controller.other;
   BITELINE_ASSIGN(const HostPort rtde, parse_host_port(controller.rtde));
   BITELINE_ASSIGN(const HostPort script, parse_host_port(controller.script));
@@ -96,6 +97,7 @@ Result<std::shared_ptr<robot::RobotLink>> open_robot(const ControllerAddress& co
   config.robot_api_port = doors.robot_api.port;
   config.connect_patience_s = connect_patience_s;
   config.claim = claim;
+  config.ask_force = ask_force;
   return robot::ur::UrLink::open(config);
 }
 

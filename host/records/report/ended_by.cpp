@@ -64,6 +64,10 @@ std::span<const EndedByRow> ended_by_table() {
       EndedByRow{"not_sent", Machine},
       EndedByRow{"tool_on", Machine},
       EndedByRow{"program_error", Machine},
+      EndedByRow{"no_contact", Machine},
+      EndedByRow{"contact_lost", Machine},
+      EndedByRow{"force_too_high", Machine},
+      EndedByRow{"force_off", Machine},
       EndedByRow{"stop_door_closed", Machine},
       // Warnings and questions, which end nothing.
       EndedByRow{"calibration_drifted", Nobody},

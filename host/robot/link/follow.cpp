@@ -62,6 +62,10 @@ Errc errc_of(Halt halt) {
     case Halt::Late:
     case Halt::Stalled:
     case Halt::NotCovered:
+    case Halt::NoContact:
+    case Halt::ContactLost:
+    case Halt::ForceTooHigh:
+    case Halt::ForceOff:
       return Errc::CheckFailed;
     case Halt::ToolOn:
       return Errc::DeviceError;
@@ -169,6 +173,8 @@ class Run {
 
   /// Before the whole run is judged, which takes time: an arm whose program has not ended goes on meanwhile.
   std::optional<HaltReason> ended_early() const {
+    // Such a program ends itself; its last word stays in the controller's register.
+    if (auto told = watch_.look_at_word(*ended_)) return told;
     if (watch_.to_come_mm() <= options_.limits.off_path_mm) return std::nullopt;
     // A controller says why it ended a program, and a program that was not watched any more does, too.
     const std::string text = link_.status().last_text;

@@ -31,6 +31,11 @@ std::span<const report::RefusalRow<Halt>> refusal_table(Halt) {
       Row{Halt::ToolOn, "tool_on", "switch the tool off at its supply, then see what holds its output on"},
       Row{Halt::ProgramError, "program_error",
           "read the controller's log; a newer controller or another process may be needed"},
+      Row{Halt::NoContact, "no_contact", "look at tool and shoe: worn, moved, or not there; scan again"},
+      Row{Halt::ContactLost, "contact_lost", "look at tool and shoe: worn, broken or moved; scan again"},
+      Row{Halt::ForceTooHigh, "force_too_high", "look at tool and shoe for damage, and scan again"},
+      Row{Halt::ForceOff, "force_off",
+          "check the tool and the arm's force sensor: its zero, the payload, cables that pull"},
       Row{Halt::StopDoorClosed, "stop_door_closed",
           "set the controller to remote control, and see what ends connections to its script port"},
   };

@@ -26,6 +26,10 @@ enum class Halt {
   NotSent,         ///< the program did not leave whole: what the controller has of it is not known
   ToolOn,          ///< the run is over, and the tool's output is not seen off
   ProgramError,    ///< the controller does not take the program, or ended it for a fault in it
+  NoContact,       ///< the tool did not touch the shoe within the process's reach
+  ContactLost,     ///< it touched, and does not any more
+  ForceTooHigh,    ///< it presses harder than the process allows
+  ForceOff,        ///< the arm does not come to the set force
   StopDoorClosed,  ///< a stop could not switch the tool off: nothing can be sent
 };
 

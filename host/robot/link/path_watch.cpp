@@ -4,8 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "common/core/fixed_text.hpp"
+#include "host/robot/link/ur/force_script.hpp"
+#include "host/robot/path/force.hpp"
 
 namespace biteline::robot {
 namespace {
@@ -18,6 +21,7 @@ constexpr double k_back_mm = 2;         // blends and the controller's noise
 constexpr double k_slack_mm = 3;        // ahead, beyond what the tip can have gone since
 constexpr double k_least_ratio = 0.05;  // a slider at zero must not stop the clock of a stall
 constexpr double k_late_share = 0.25;   // a controller ramps in its own way: 15 % were met
+constexpr double k_force_lag_s = 0.2;   // of a reading that shakes with the tool
 constexpr double k_tool_mm = 0.1, k_tool_rad = 0.002;
 
 HaltReason halt(Halt code, const FixedText<200>& text) {
@@ -53,6 +57,7 @@ PathWatch::PathWatch(const path::PlannedPath& path, const path::FollowLimits& li
 std::optional<HaltReason> PathWatch::look(const RobotState& state) {
   step_s_ = std::clamp(static_cast<double>((state.sampled - last_).count()) * 1e-9, 0.0, 1.0);
   last_ = state.sampled;
+  word_is_new_ = word_is_new_ || state.force_word < static_cast<int>(ur::ForceWord::Untouched);
   if (!on_path_ && at_beginning(state)) on_path_ = true;
   return on_path_ ? look_at_path(state) : look_at_way(state);
 }
@@ -95,10 +100,12 @@ std::optional<HaltReason> PathWatch::look_at_path(const RobotState& state) {
   const double ahead_mm = fastest_mm_s_ * step_s_ + k_slack_mm;
   const path::PathPlace place = path::nearest_place(
       path_, state.T_base_tcp.translation(), {.from_mm = here_mm_ - k_back_mm, .to_mm = here_mm_ + ahead_mm});
-  if (!(place.distance_mm <= limits_.off_path_mm)) {
+  if (auto told = look_at_word(state)) return told;
+  const double off_mm = path::off_path_mm(path_, place, state.T_base_tcp.translation());
+  if (!(off_mm <= limits_.off_path_mm)) {
     return halt(Halt::OffPath,
                 FixedText<200>::format("the tip is %.1f mm beside the path at %.0f mm of it (limit %.1f)",
-                                       place.distance_mm, here_mm_, limits_.off_path_mm));
+                                       off_mm, here_mm_, limits_.off_path_mm));
   }
   const double turned_rad =
       geometry::angle_between_rad(path::pose_at(path_, place).linear(), state.T_base_tcp.linear());
@@ -108,9 +115,54 @@ std::optional<HaltReason> PathWatch::look_at_path(const RobotState& state) {
         FixedText<200>::format("the tool is turned by %.1f degrees at %.0f mm of the path (limit %.1f)",
                                turned_rad * k_deg_per_rad, here_mm_, limits_.off_path_rad * k_deg_per_rad));
   }
+  if (auto force = look_at_force(state, place)) return force;
   here_mm_ = std::max(here_mm_, std::min(path::arc_at(path_, place), here_mm_ + ahead_mm));
   running_s_ += step_s_ * std::max(state.speed_ratio, k_least_ratio);
   return look_at_time(path::time_at(path_, place));
+}
+
+std::optional<HaltReason> PathWatch::look_at_word(const RobotState& state) const {
+  if (!path::presses(path_) || !word_is_new_) return std::nullopt;
+  const path::Force& force = *path_.force;
+  switch (static_cast<ur::ForceWord>(state.force_word)) {
+    case ur::ForceWord::Untouched:
+      return halt(Halt::NoContact,
+                  FixedText<200>::format("the tool did not touch the shoe within %.1f mm", force.reach_mm));
+    case ur::ForceWord::Lost:
+      return halt(Halt::ContactLost, FixedText<200>::format("no contact for %.2f s at %.0f mm of the path",
+                                                            force.lost_s, here_mm_));
+    case ur::ForceWord::TooHigh:
+      return halt(Halt::ForceTooHigh,
+                  FixedText<200>::format("the tool presses with more than %.0f N at %.0f mm of the path",
+                                         force.most_newton, here_mm_));
+    case ur::ForceWord::None:
+    case ur::ForceWord::Seeks:
+    case ur::ForceWord::Presses:
+      break;
+  }
+  return std::nullopt;
+}
+
+std::optional<HaltReason> PathWatch::look_at_force(const RobotState& state, const path::PathPlace& place) {
+  if (!path::presses(path_) || path_.force->tolerance_ratio == 0) return std::nullopt;
+  const bool presses = state.force_word == static_cast<int>(ur::ForceWord::Presses);
+  const path::Waypoint& here = path_.waypoints[place.segment];
+  if (!presses || !state.force_base_newton || here.segment != path::Segment::Line) {
+    pressed_ = false;
+    force_off_s_ = 0;
+    return std::nullopt;
+  }
+  const double told = -state.force_base_newton->dot(path::press_at(path_, place));
+  const double share = step_s_ / (step_s_ + k_force_lag_s);
+  pressed_newton_ = std::exchange(pressed_, true) ? pressed_newton_ + share * (told - pressed_newton_) : told;
+  const double off = std::abs(pressed_newton_ - here.force_newton);
+  const double allowed = path_.force->tolerance_ratio * path_.force->set_newton;
+  force_off_s_ = off <= allowed ? 0 : force_off_s_ + step_s_;
+  if (force_off_s_ <= limits_.stall_s) return std::nullopt;
+  return halt(Halt::ForceOff,
+              FixedText<200>::format("the tool presses with %.1f N for %.1f N at %.0f mm of the "
+                                     "path (limit %.1f off, for %.1f s)",
+                                     pressed_newton_, here.force_newton, here_mm_, allowed, limits_.stall_s));
 }
 
 std::optional<HaltReason> PathWatch::look_at_time(double planned_s) {

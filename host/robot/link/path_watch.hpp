@@ -20,12 +20,17 @@ class PathWatch {
   /// What is beyond a limit at this state.  Pre: states in their order, while the program runs.
   [[nodiscard]] std::optional<HaltReason> look(const RobotState& state);
 
+  /// What a program that presses says of its end; also of a program that has ended.
+  [[nodiscard]] std::optional<HaltReason> look_at_word(const RobotState& state) const;
+
   /// Of the path, before the tip.
   [[nodiscard]] double to_come_mm() const { return path_.waypoints.back().arc_mm - here_mm_; }
 
  private:
   [[nodiscard]] std::optional<HaltReason> look_at_way(const RobotState& state);
   [[nodiscard]] std::optional<HaltReason> look_at_path(const RobotState& state);
+  [[nodiscard]] std::optional<HaltReason> look_at_force(const RobotState& state,
+                                                        const path::PathPlace& place);
   [[nodiscard]] std::optional<HaltReason> look_at_time(double planned_s);
   [[nodiscard]] bool at_beginning(const RobotState& state) const;
 
@@ -40,6 +45,10 @@ class PathWatch {
   double step_s_{0};     ///< since the state before, by the robot's clock
   double running_s_{0};  ///< since the path's beginning, as if at full speed
   double advanced_mm_{0}, advanced_at_s_{0};
+  double force_off_s_{0};     ///< beyond the tolerance, in a row
+  double pressed_newton_{0};  ///< told, through a lag
+  bool pressed_{false};
+  bool word_is_new_{false};  ///< the program has taken back what an earlier one told
 };
 
 }  // namespace biteline::robot

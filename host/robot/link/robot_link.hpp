@@ -31,8 +31,11 @@ struct RobotState {
   bool program_running{false};
   Safety safety{Safety::Stopped};
   std::optional<path::Payload>
-      payload{};                     ///< as the controller has it; nothing: not asked, or too old to say
-  double speed_ratio{0};             ///< of the programmed speed: the slider times the limits
+      payload{};          ///< as the controller has it; nothing: not asked, or too old to say
+  double speed_ratio{0};  ///< of the programmed speed: the slider times the limits
+  /// On the tool at its tip, N in base axes, by the arm's own sensor; nothing: not asked for.
+  std::optional<Vec3> force_base_newton{};
+  int force_word{0};                 ///< what a program that presses tells (ur/force_script.hpp, ForceWord)
   std::uint64_t digital_outputs{0};  ///< bits, as they are at the controller's terminals
 
   [[nodiscard]] bool output_on(int number) const {

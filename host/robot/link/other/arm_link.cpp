@@ -236,6 +236,8 @@ Result<arm_link::PathSum> ArmLink::wait_for_sum(std::uint32_t name) const {
 Result<void> ArmLink::may_send(const PermittedPath& permitted) const {
   if (permitted.path().path().flow)
     return fail(Errc::NotSupported, "robot: the generic protocol does not carry the process's flow");
+  if (permitted.path().path().force)
+    return fail(Errc::NotSupported, "robot: the generic protocol does not carry the process's force");
   BITELINE_ASSIGN(const RobotState state, latest());
   if (state.safety == Safety::Stopped) return fail(Errc::InterlockOpen, "robot: its safety system holds it");
   if (!state.powered) return fail(Errc::PeerRefused, "robot: not powered or brakes on");

@@ -8,9 +8,11 @@
 #include "common/rtde/client_session.hpp"
 #include "host/robot/link/ur/arm_claim.hpp"
 #include "host/robot/link/ur/delivery.hpp"
+#include "host/robot/link/ur/force_script.hpp"
 #include "host/robot/link/ur/primary_messages.hpp"
 #include "host/robot/link/ur/script.hpp"
 #include "host/robot/link/ur/units.hpp"
+#include "host/robot/path/force.hpp"
 
 namespace biteline::robot::ur {
 namespace {
@@ -38,10 +40,13 @@ enum Field : std::size_t {
   SpeedScaling,
   SpeedSlider,
   DigitalOutputs,
-  PayloadMass,  // from here on only where it is asked for
-  PayloadCentre
+  First  // of what is there only where it is asked for
 };
-std::vector<rtde::Variable> variables(bool with_payload) {
+/// From First on.
+struct Asked {
+  bool payload{false}, force{false};
+};
+std::vector<rtde::Variable> variables(const Asked& asked) {
   using enum rtde::FieldType;
   std::vector<rtde::Variable> all{{"timestamp", Double},
                                   {"actual_q", Vector6d},
@@ -53,7 +58,11 @@ std::vector<rtde::Variable> variables(bool with_payload) {
                                   {"speed_scaling", Double},
                                   {"target_speed_fraction", Double},
                                   {"actual_digital_output_bits", Uint64}};
-  if (with_payload) all.insert(all.end(), {{"payload", Double}, {"payload_cog", Vector3d}});
+  if (asked.payload) all.insert(all.end(), {{"payload", Double}, {"payload_cog", Vector3d}});
+  if (asked.force) {
+    all.push_back({"actual_TCP_force", Vector6d});
+    all.push_back({"output_int_register_" + std::to_string(k_force_register), Int32});
+  }
   return all;
 }
 
@@ -77,7 +86,7 @@ bool all_finite(const rtde::Vector6& values) {
 }
 
 /// Our units, or what is no number.  Pre: of the types of variables().
-Result<RobotState> to_state(std::span<const rtde::Value> values) {
+Result<RobotState> to_state(std::span<const rtde::Value> values, const Asked& asked) {
   const double stamp_s = std::get<double>(values[Timestamp]);
   const auto& joints = std::get<rtde::Vector6>(values[Joints]);
   const auto& pose = std::get<rtde::Vector6>(values[TcpPose]);
@@ -103,12 +112,20 @@ Result<RobotState> to_state(std::span<const rtde::Value> values) {
   const double speed = std::get<double>(values[SpeedScaling]) * std::get<double>(values[SpeedSlider]);
   state.speed_ratio = std::isfinite(speed) ? speed : 0;
   state.digital_outputs = std::get<std::uint64_t>(values[DigitalOutputs]);
-  if (values.size() > PayloadCentre) {
-    const double mass_kg = std::get<double>(values[PayloadMass]);
-    const auto& centre_m = std::get<rtde::Vector3>(values[PayloadCentre]);
+  std::size_t next = First;
+  if (asked.payload) {
+    const double mass_kg = std::get<double>(values[next]);
+    const auto& centre_m = std::get<rtde::Vector3>(values[next + 1]);
+    next += 2;
     if (std::isfinite(mass_kg) && std::ranges::all_of(centre_m, [](double v) { return std::isfinite(v); }))
       state.payload = path::Payload{
           .mass_kg = mass_kg, .centre_flange_mm = k_mm_per_m * Vec3{centre_m[0], centre_m[1], centre_m[2]}};
+  }
+  if (asked.force) {
+    const auto& force = std::get<rtde::Vector6>(values[next]);
+    if (!all_finite(force)) return fail(Errc::BadValue, "actual_TCP_force without numbers");
+    state.force_base_newton = Vec3{force[0], force[1], force[2]};
+    state.force_word = std::get<std::int32_t>(values[next + 1]);
   }
   return state;
 }
@@ -124,9 +141,9 @@ std::string stop_program(const ToolOutputs& outputs) {
 /// Hands what the session hears to the link.
 class UrLink::Reader final : public rtde::ClientListener {
  public:
-  explicit Reader(UrLink& link) : link_{link} {}
+  Reader(UrLink& link, const Asked& asked) : link_{link}, asked_{asked} {}
   void on_data(std::size_t, std::span<const rtde::Value> values) override {
-    if (const Result<RobotState> state = to_state(values)) {
+    if (const Result<RobotState> state = to_state(values, asked_)) {
       link_.publish(*state);
     } else {
       link_.note_unusable(state.error());
@@ -140,6 +157,7 @@ class UrLink::Reader final : public rtde::ClientListener {
 
  private:
   UrLink& link_;
+  Asked asked_;
 };
 
 Result<std::unique_ptr<UrLink>> UrLink::open(const Config& config) {
@@ -179,7 +197,8 @@ UrLink::~UrLink() {
 
 void UrLink::run() {
   rtde::ClientSession session{
-      {.outputs = {{.variables = variables(config_.ask_payload), .frequency_hz = config_.rate_hz}},
+      {.outputs = {{.variables = variables({.payload = config_.ask_payload, .force = config_.ask_force}),
+                    .frequency_hz = config_.rate_hz}},
        .inputs = {}}};
   while (!stopping_) {
     const Result<void> ended = serve_connection(session);
@@ -194,7 +213,7 @@ Result<void> UrLink::serve_connection(rtde::ClientSession& session) {
   BITELINE_ASSIGN(TcpStream stream, TcpStream::connect({config_.host, config_.rtde_port},
                                                        from_seconds(config_.connect_patience_s)));
   session.start();
-  Reader reader{*this};
+  Reader reader{*this, {.payload = config_.ask_payload, .force = config_.ask_force}};
   std::vector<std::uint8_t> bytes;
   HostClock::time_point heard = now();
   while (!stopping_) {
@@ -274,6 +293,8 @@ Result<void> UrLink::send(const PermittedPath& permitted) {
   if (!state.powered) return fail(Errc::PeerRefused, "robot: not powered or brakes on");
   if (state.program_running) return fail(Errc::PeerRefused, "robot: another program runs");
   if (!permitted.holds_for(state.q_rad)) return fail(Errc::Refused, "robot: it has moved since the gate");
+  if (path::presses(permitted.path().path()) && !config_.ask_force)
+    return fail(Errc::NotSupported, "robot: this link does not read the tool's force: no path that presses");
   begun_ = dead_man_ = false;
   stops_ = 0;
   BITELINE_ASSIGN(const std::optional<int> beat_register, dead_mans_register());

@@ -41,6 +41,9 @@ class UrLink final : public RobotLink {
     double connect_patience_s{2};
     /// Also asks for the payload.  A controller before 3.11 or 5.5.1 refuses the question: open() fails.
     bool ask_payload{false};
+    /// Also asks for the force on the tool and for what a program that presses tells; no such program is sent
+    /// without.  A controller before 3.9 or 5.3 refuses the question.
+    bool ask_force{false};
     /// Holds the register of the dead man, and outlives this; nullptr: sent programs have none.
     ArmClaim* claim{nullptr};
   };
