@@ -93,9 +93,9 @@ Result<void> read_png_into(const std::filesystem::path& path, int width_px, int 
   return decode(png, path, pixels);
 }
 
-Result<void> write_png(const std::filesystem::path& path, const GreyImage& image, Packing packing) {
+Result<void> write_png(const std::filesystem::path& path, const GreyImage& image) {
   std::vector<std::uint8_t> bytes;
-  BITELINE_TRY(pack_png(image, bytes, packing));
+  BITELINE_TRY(pack_png(image, bytes));
   const File file{std::fopen(path.c_str(), "wb")};
   if (!file || std::fwrite(bytes.data(), 1, bytes.size(), file.get()) != bytes.size() ||
       std::fflush(file.get()) != 0) {

@@ -35,11 +35,6 @@ struct GreyImage {
 [[nodiscard]] Result<void> read_png_into(const std::filesystem::path& path, int width_px, int height_px,
                                          std::span<std::uint8_t> pixels);
 
-/// Stripe pictures are mostly noise: Fast takes a tenth of the time, and a few per cent more room; of
-/// pictures with little noise Small makes a third.
-enum class Packing { Fast, Small };
-
-[[nodiscard]] Result<void> write_png(const std::filesystem::path& path, const GreyImage& image,
-                                     Packing packing = Packing::Fast);
+[[nodiscard]] Result<void> write_png(const std::filesystem::path& path, const GreyImage& image);
 
 }  // namespace biteline::image

@@ -8,10 +8,9 @@
 namespace biteline::image {
 
 /// Replaces `out`.  Errc::WriteFailed for a picture without pixels.
-[[nodiscard]] Result<void> pack_png(const GreyImage& image, std::vector<std::uint8_t>& out,
-                                    Packing packing = Packing::Fast);
+[[nodiscard]] Result<void> pack_png(const GreyImage& image, std::vector<std::uint8_t>& out);
 
-/// The same without packing: a tenth of the time, and as many bytes as pixels.
+/// The same without packing: as many bytes as pixels, in less time.
 [[nodiscard]] Result<void> store_png(const GreyImage& image, std::vector<std::uint8_t>& out);
 
 }  // namespace biteline::image

@@ -67,7 +67,7 @@ class Recorder {
   }
 
   Result<void> write_picture(const fs::path& file, const image::GreyImage& picture) {
-    BITELINE_TRY(image::write_png(file, picture, image::Packing::Small));
+    BITELINE_TRY(image::write_png(file, picture));
     ++written_;
     if (progress_) progress_(static_cast<double>(written_) / pictures_);
     return {};

@@ -113,8 +113,6 @@ Result<void> record_session(const std::filesystem::path& folder, const MadeScene
     return fail(Errc::InvalidArgument,
                 "no frame of the scan lies in the part asked for: the way round is %.0f mm",
                 scene.shoe.perimeter_mm());
-  // A part is made to be kept.
-  const image::Packing packing = settings.part ? image::Packing::Small : image::Packing::Fast;
   Random noise = Random(settings.noise_seed).fork(2);
   for (int i = range.first; i < range.end; ++i) {
     const double time_s = i / scene.settings.rate_hz;
@@ -130,7 +128,7 @@ Result<void> record_session(const std::filesystem::path& folder, const MadeScene
     const Nanoseconds stamp = settings.start + seconds(time_s);
     frames.push_back({.exposure_mid = SensorClock::time_point{stamp},
                       .file = folder / "cam0" / "data" / (std::to_string(stamp.count()) + ".png")});
-    BITELINE_TRY(image::write_png(frames.back().file, picture, packing));
+    BITELINE_TRY(image::write_png(frames.back().file, picture));
     if (progress) progress(static_cast<double>(i + 1 - range.first) / (range.end - range.first));
   }
   if (settings.arrival) stamp_by_arrival(frames, *settings.arrival, settings.noise_seed);
