@@ -162,10 +162,6 @@ CREATE INDEX scans_held ON scans (id) WHERE decision = 'held';
     R"sql(
 ALTER TABLE scans ADD COLUMN tip_bound_mm REAL;
 )sql",
-    // The log as a hash chain; rows of before have no link, the first one that has seals them.
-    R"sql(
-ALTER TABLE log ADD COLUMN link TEXT NOT NULL DEFAULT '';
-)sql",
     // What a look after the work told.
     R"sql(
 ALTER TABLE scans ADD COLUMN work TEXT NOT NULL DEFAULT '';
@@ -175,6 +171,10 @@ ALTER TABLE scans ADD COLUMN work_narrow INTEGER NOT NULL DEFAULT 0;
 ALTER TABLE scans ADD COLUMN work_wide INTEGER NOT NULL DEFAULT 0;
 ALTER TABLE scans ADD COLUMN work_beside INTEGER NOT NULL DEFAULT 0;
 ALTER TABLE scans ADD COLUMN work_doubled INTEGER NOT NULL DEFAULT 0;
+)sql",
+    // The log as a hash chain; rows of before have no link, the first one that has seals them.
+    R"sql(
+ALTER TABLE log ADD COLUMN link TEXT NOT NULL DEFAULT '';
 )sql",
 };
 
