@@ -152,8 +152,8 @@ Result<std::optional<Scan>> Memory::scan(const std::string& name) const {
   BITELINE_ASSIGN(const bool found, row.step());
   if (!found) return std::optional<Scan>{};
   Scan scan = scan_of(row);
-  scan.versions = row.text(30);
-  scan.details = row.text(31);
+  scan.versions = row.text(37);
+  scan.details = row.text(38);
   return std::optional<Scan>{std::move(scan)};
 }
 
