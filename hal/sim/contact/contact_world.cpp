@@ -14,8 +14,6 @@ namespace biteline::sim {
 namespace {
 
 constexpr double k_m_per_mm = 1e-3, k_step_s = 1e-3;
-/// Of a piece's round head: flat against 2 mm between them (0.08 mm), round enough for a hollow.
-constexpr double k_head_mm = 6;
 /// How much of a contact's acceleration the engine's soft constraint takes.  Near 0 each contact is a plain
 /// spring; near 1 it would weigh as much as the tool, and a dozen of them a dozen times as much.
 constexpr double k_impedance = 0.001;
@@ -40,7 +38,8 @@ std::string mjcf(const UpperStrip& strip, const ContactTool& tool) {
     text += Row::format(
                 "<geom type=\"sphere\" size=\"%g\" pos=\"%s\" contype=\"1\" conaffinity=\"0\" "
                 "condim=\"1\" priority=\"1\"/>\n",
-                k_head_mm * k_m_per_mm, vector_text(piece.point_base - k_head_mm * piece.normal_base).c_str())
+                k_piece_head_mm * k_m_per_mm,
+                vector_text(piece.point_base - k_piece_head_mm * piece.normal_base).c_str())
                 .view();
   }
   text += "<body name=\"arm\" mocap=\"true\"><body name=\"tool\">\n";

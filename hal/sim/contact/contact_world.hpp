@@ -32,6 +32,10 @@ struct ContactTool {
 [[nodiscard]] ContactTool roughing_brush();
 [[nodiscard]] ContactTool pressing_roller();
 
+/// Radius of a piece's round head: flat against 2 mm between them (0.08 mm), round enough for a hollow.  In
+/// a contact the two radii add up: a disc presses as one that is so much larger presses on a smooth upper.
+inline constexpr double k_piece_head_mm = 6;
+
 /// What the tool feels and does at one instant.
 struct ContactNow {
   Vec3 force_base{Vec3::Zero()};  ///< N, on the tool

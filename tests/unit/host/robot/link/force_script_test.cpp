@@ -71,16 +71,16 @@ int last_word(const sim::PressRun& run) {
   return run.steps.back().told;
 }
 
-/// Of the second half of the time in force mode, without the ramp at its end.
-double worst_off_newton(const sim::PressRun& run) {
+/// Of the force from the set one, root mean square, in the time in force mode without its ends.
+double off_newton(const sim::PressRun& run) {
   std::vector<double> pressed;
   for (const sim::PressStep& step : run.steps) {
     if (step.force_mode) pressed.push_back(step.true_newton.norm());
   }
-  double worst = 0;
-  for (std::size_t i = pressed.size() / 4; i < pressed.size() * 9 / 10; ++i)
-    worst = std::max(worst, std::abs(pressed[i] - k_set_newton));
-  return worst;
+  double sum = 0;
+  const std::size_t from = pressed.size() / 4, to = pressed.size() * 9 / 10;
+  for (std::size_t i = from; i < to; ++i) sum += std::pow(pressed[i] - k_set_newton, 2);
+  return std::sqrt(sum / static_cast<double>(to - from));
 }
 
 }  // namespace
@@ -94,7 +94,7 @@ TEST(ForceScript, PressesWithTheSetForceWhereverTheWallIs) {
     const sim::PressRun run = run_on([&](double) { return deeper_mm; });
     CHECK_FALSE(run.halted);
     LONGS_EQUAL(static_cast<int>(ForceWord::None), last_word(run));
-    CHECK(worst_off_newton(run) < 0.15 * k_set_newton);
+    CHECK(off_newton(run) < 0.05 * k_set_newton);
     // Force mode ends with the line: the tip is back on its way before the program ends.
     DOUBLES_EQUAL(0, run.steps.back().off_base.norm(), 0.01);
   }
@@ -126,9 +126,10 @@ TEST(ForceScript, ForceThatIsTooHighEndsTheProgram) {
   LONGS_EQUAL(static_cast<int>(ForceWord::TooHigh), last_word(run));
 }
 
-/// The sensor's error by the place, learned beside the shoe, is taken off: most of 1.1 N (root mean square).
+/// The sensor's error by the place, learned beside the shoe, is taken off.  Three times what was measured, so
+/// that the regulator's own error (under 5 %) is small against it.
 TEST(ForceScript, WhatAnAirRunTeachesTakesOffTheSensorsError) {
-  const sim::ForceFacts facts{.place_newton = 1.1, .seed = 3};
+  const sim::ForceFacts facts{.place_newton = 3.3, .seed = 3};
   const path::PlanOutcome air = path::plan(path::force_air_run(pressing_request()));
   CHECK_TEXT(air.path.has_value(), air.reason().c_str());
   std::vector<path::ForceSample> samples;
@@ -148,9 +149,9 @@ TEST(ForceScript, WhatAnAirRunTeachesTakesOffTheSensorsError) {
   const path::PlanOutcome planned = path::plan(taught);
   CHECK_TEXT(planned.path.has_value(), planned.reason().c_str());
   const auto wall = [](double) { return 0.0; };
-  const double alone = worst_off_newton(run_on(wall, facts));
-  const double learned = worst_off_newton(run_on(wall, facts, *planned.path));
-  CHECK(alone > 1.5);
+  const double alone = off_newton(run_on(wall, facts));
+  const double learned = off_newton(run_on(wall, facts, *planned.path));
+  CHECK(alone > 1);
   CHECK(learned < 0.6 * alone);
 }
 
