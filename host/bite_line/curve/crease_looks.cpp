@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
-#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 #include "host/geometry/logistic.hpp"
@@ -172,12 +172,7 @@ void CreaseLooks::read_noise() {
 std::ptrdiff_t CreaseLooks::cell(int row, int col, const Beside& at) const {
   const int r = row + at.rows;
   if (r < 0 || r >= raster_.rows) return -1;
-  int c = col + at.cols;
-  if (c < 0)
-    c += raster_.cols;
-  else if (c >= raster_.cols)
-    c -= raster_.cols;
-  const auto there = static_cast<std::ptrdiff_t>(raster_.at(r, c));
+  const auto there = static_cast<std::ptrdiff_t>(raster_.at(r, raster_.near_col(col + at.cols)));
   return raster_.seen[static_cast<std::size_t>(there)] != 0 ? there : -1;
 }
 
@@ -258,12 +253,12 @@ CreaseSigns CreaseLooks::alone(int row, int col, std::size_t direction) const {
 void CreaseLooks::look_beside(const CurveWeights& weights) {
   constexpr float k_nothing = -4, k_sure = 2;  // log odds: a faint crease counts, too
   weights_ = weights;
-  for (Large<float>* values : {&by_all_, &by_usual_, &turn_, &step_})
-    values->resize(raster_.size() * k_directions);
+  turning_.assign(static_cast<std::size_t>((raster_.cols + k_block_cols - 1) / k_block_cols), {});
   std::array<Large<float>, k_directions> like;
   for (Large<float>& values : like) values.resize(raster_.size());
-  tbb::parallel_for(tbb::blocked_range<int>{0, raster_.cols, 16}, [&](const auto& range) {
-    for (int col = range.begin(); col != range.end(); ++col) {
+  tbb::parallel_for(std::size_t{0}, turning_.size(), [&](std::size_t block) {
+    const int first = static_cast<int>(block) * k_block_cols;
+    for (int col = first; col < std::min(first + k_block_cols, raster_.cols); ++col) {
       for (int row = 0; row < raster_.rows; ++row) {
         const std::size_t cell = raster_.at(row, col);
         for (std::size_t k = 0; k < k_directions; ++k) {
@@ -272,52 +267,57 @@ void CreaseLooks::look_beside(const CurveWeights& weights) {
           const CreaseSigns signs = alone(row, col, k);
           like[k][cell] =
               std::clamp((log_odds(weights.alone, signs) - k_nothing) / (k_sure - k_nothing), 0.0F, 1.0F);
-          const std::size_t at = cell * k_directions + k;
-          by_all_[at] = log_odds(weights.all, signs);
-          by_usual_[at] = log_odds(weights.usual, signs);
-          turn_[at] = value(signs, CreaseSign::FineTurn);
-          step_[at] =
-              value(signs, CreaseSign::FlanksSeen) != 0 ? value(signs, CreaseSign::FlankStep) : k_unknown;
+          turning_[block].push_back({.cell = static_cast<std::uint32_t>(cell),
+                                     .direction = static_cast<std::uint32_t>(k),
+                                     .by_all = log_odds(weights.all, signs),
+                                     .by_usual = log_odds(weights.usual, signs),
+                                     .fine_turn = value(signs, CreaseSign::FineTurn),
+                                     .step = value(signs, CreaseSign::FlanksSeen) != 0
+                                                 ? value(signs, CreaseSign::FlankStep)
+                                                 : k_unknown,
+                                     .left = 0,
+                                     .right = 0});
         }
       }
     }
   });
+  std::array<Large<float>, k_directions> alike;  // in this direction or one beside it
   tbb::parallel_for(std::size_t{0}, k_directions, [&](std::size_t k) {
-    Large<float> alike = like[k];  // in this direction or one beside it
+    alike[k] = like[k];
     for (const std::size_t other : {k + 1, k - 1}) {
       if (other >= k_directions) continue;
-      for (std::size_t i = 0; i < alike.size(); ++i) alike[i] = std::max(alike[i], like[other][i]);
+      for (std::size_t i = 0; i < alike[k].size(); ++i) alike[k][i] = std::max(alike[k][i], like[other][i]);
     }
-    left_crease_[k] = most_beside(alike, ways_[k].left);
-    right_crease_[k] = most_beside(alike, ways_[k].right);
+  });
+  tbb::parallel_for(std::size_t{0}, turning_.size(), [&](std::size_t block) {
+    for (Turning& at : turning_[block]) {
+      at.left = most_beside(alike[at.direction], at.cell, ways_[at.direction].left);
+      at.right = most_beside(alike[at.direction], at.cell, ways_[at.direction].right);
+    }
   });
 }
 
-float CreaseLooks::odds(std::size_t cell, std::size_t direction) const {
-  const std::size_t at = cell * k_directions + direction;
+float CreaseLooks::odds(const Turning& at) const {
   const SignWeights& weights = usual_ ? weights_.usual : weights_.all;
   const auto weight = [&](CreaseSign sign) { return value(weights, sign); };
-  float sum = usual_ ? by_usual_[at] : by_all_[at];
-  sum += weight(CreaseSign::LeftCrease) * left_crease_[direction][cell];
-  sum += weight(CreaseSign::RightCrease) * right_crease_[direction][cell];
+  float sum = usual_ ? at.by_usual : at.by_all;
+  sum += weight(CreaseSign::LeftCrease) * at.left;
+  sum += weight(CreaseSign::RightCrease) * at.right;
   if (!usual_) return sum;
-  sum += weight(CreaseSign::UnlikeTurn) * std::abs(turn_[at] - value(*usual_, CreaseSign::FineTurn));
-  if (step_[at] < k_unknown)
-    sum += weight(CreaseSign::UnlikeStep) * std::abs(step_[at] - value(*usual_, CreaseSign::FlankStep));
+  sum += weight(CreaseSign::UnlikeTurn) * std::abs(at.fine_turn - value(*usual_, CreaseSign::FineTurn));
+  if (at.step < k_unknown)
+    sum += weight(CreaseSign::UnlikeStep) * std::abs(at.step - value(*usual_, CreaseSign::FlankStep));
   return sum;
 }
 
-Large<float> CreaseLooks::most_beside(const Large<float>& values, const std::vector<Beside>& places) const {
-  Large<float> most(raster_.size());
-  std::fill(most.begin(), most.end(), 0.0F);
-  for (int col = 0; col < raster_.cols; ++col) {
-    float* to = most.data() + raster_.at(0, col);
-    for (const Beside& at : places) {
-      const float* from = values.data() + raster_.at(0, raster_.round_col(col + at.cols));
-      const int last = raster_.rows - std::max(0, at.rows);
-      for (int row = std::max(0, -at.rows); row < last; ++row)
-        to[row] = std::max(to[row], from[row + at.rows]);
-    }
+float CreaseLooks::most_beside(const Large<float>& values, std::size_t cell,
+                               const std::vector<Beside>& places) const {
+  const int col = static_cast<int>(cell) / raster_.rows, row = static_cast<int>(cell) % raster_.rows;
+  float most = 0;
+  for (const Beside& at : places) {
+    const int r = row + at.rows;
+    if (r < 0 || r >= raster_.rows) continue;
+    most = std::max(most, values[raster_.at(r, raster_.near_col(col + at.cols))]);
   }
   return most;
 }
@@ -325,10 +325,15 @@ Large<float> CreaseLooks::most_beside(const Large<float>& values, const std::vec
 CreaseSigns CreaseLooks::all(int row, int col, std::size_t direction) const {
   CreaseSigns signs = alone(row, col, direction);
   if (signs[static_cast<std::size_t>(CreaseSign::Turns)] == 0) return signs;
-  if (left_crease_[direction].empty()) return signs;
-  const std::size_t here = raster_.at(row, col);
-  of(signs, CreaseSign::LeftCrease) = left_crease_[direction][here];
-  of(signs, CreaseSign::RightCrease) = right_crease_[direction][here];
+  if (turning_.empty()) return signs;
+  const std::vector<Turning>& block = turning_[static_cast<std::size_t>(col / k_block_cols)];
+  const auto order = [](const Turning& at) { return std::pair{at.cell, at.direction}; };
+  const std::pair here{static_cast<std::uint32_t>(raster_.at(row, col)),
+                       static_cast<std::uint32_t>(direction)};
+  const auto at = std::ranges::lower_bound(block, here, {}, order);
+  if (at == block.end() || order(*at) != here) return signs;
+  of(signs, CreaseSign::LeftCrease) = at->left;
+  of(signs, CreaseSign::RightCrease) = at->right;
   return signs;
 }
 

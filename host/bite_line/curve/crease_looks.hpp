@@ -70,9 +70,22 @@ class CreaseLooks {
   void look_beside(const CurveWeights& weights);
   /// What this shoe's line usually shows; from now on places are compared with it.
   void compare_with(const CreaseSigns& usual) { usual_ = usual; }
-  /// By `weights.all` of look_beside(), or `weights.usual` once places are compared.  Pre: seen, and it
-  /// turns.
-  [[nodiscard]] float odds(std::size_t cell, std::size_t direction) const;
+  /// A place and direction where the surface is seen and turns.
+  struct Turning {
+    std::uint32_t cell, direction;
+    /// Log odds by the weights, without what is beside it; by_usual: before anything is compared.
+    float by_all, by_usual;
+    float fine_turn;
+    float step;         ///< FlankStep, or k_unknown
+    float left, right;  ///< LeftCrease, RightCrease
+  };
+  /// After look_beside(): of so many columns from the `block` times that one on.
+  static constexpr int k_block_cols = 16;
+  [[nodiscard]] std::span<const Turning> turning(int block) const {
+    return turning_[static_cast<std::size_t>(block)];
+  }
+  /// By `weights.all` of look_beside(), or `weights.usual` once places are compared.
+  [[nodiscard]] float odds(const Turning& at) const;
   /// All; those beside it are 0 before look_beside().
   [[nodiscard]] CreaseSigns all(int row, int col, std::size_t direction) const;
 
@@ -97,8 +110,9 @@ class CreaseLooks {
   };
   [[nodiscard]] Flank flank(int row, int col, const std::vector<Beside>& places) const;
   [[nodiscard]] float share_seen(int row, int col, const std::vector<Beside>& places) const;
-  /// Per cell, the most of a value at the places beside it.
-  [[nodiscard]] Large<float> most_beside(const Large<float>& values, const std::vector<Beside>& places) const;
+  /// The most of a value at the places beside a cell.
+  [[nodiscard]] float most_beside(const Large<float>& values, std::size_t cell,
+                                  const std::vector<Beside>& places) const;
 
   /// Places beside a direction, for each of its looks.
   struct Ways {
@@ -112,10 +126,7 @@ class CreaseLooks {
   std::vector<float> noise_rad_;  ///< per column
   std::array<Ways, k_directions> ways_;
   CurveWeights weights_{};
-  std::array<Large<float>, k_directions> left_crease_, right_crease_;  ///< per cell, see CreaseSign
-  /// Per cell and direction, without what is beside it: log odds by `weights_.all`, and by `weights_.usual`
-  /// before anything is compared; FineTurn; FlankStep, or k_unknown.
-  Large<float> by_all_, by_usual_, turn_, step_;
+  std::vector<std::vector<Turning>> turning_;  ///< by cell and direction, see turning()
 };
 
 }  // namespace biteline::bite_line

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <vector>
 
-#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 namespace biteline::bite_line {
@@ -35,6 +34,15 @@ std::vector<std::uint8_t> gaps_of(const Raster& raster) {
   return gap;
 }
 
+/// `use(block, first cell, end)`: of each block of columns of the looks.
+template <class Use>
+void for_blocks(const Raster& raster, Use&& use) {
+  constexpr int k_cols = CreaseLooks::k_block_cols;
+  tbb::parallel_for(0, (raster.cols + k_cols - 1) / k_cols, [&](int block) {
+    use(block, raster.at(0, block * k_cols), raster.at(0, std::min((block + 1) * k_cols, raster.cols)));
+  });
+}
+
 }  // namespace
 
 CurveCosts curve_costs(const Raster& raster, CreaseLooks& looks, const CurveWeights& weights) {
@@ -43,37 +51,22 @@ CurveCosts curve_costs(const Raster& raster, CreaseLooks& looks, const CurveWeig
   CurveCosts costs{.rows = raster.rows, .cols = raster.cols, .per_mm = {}};
   costs.per_mm.resize(raster.size() * k_directions);
   const float plain = cost_of(k_line_log_odds + weights.all[static_cast<std::size_t>(CreaseSign::Always)]);
-  tbb::parallel_for(tbb::blocked_range<int>{0, raster.cols, 16}, [&](const auto& range) {
-    for (int col = range.begin(); col != range.end(); ++col) {
-      for (int row = 0; row < raster.rows; ++row) {
-        const std::size_t cell = raster.at(row, col);
-        for (std::size_t k = 0; k < k_directions; ++k) {
-          float& cost = costs.of(cell, k);
-          if (raster.seen[cell] == 0)
-            cost = gap[cell] != 0 ? k_unseen_cost_per_mm : plain;
-          else
-            cost = looks.turns(cell, k) ? cost_of(k_line_log_odds + looks.odds(cell, k)) : plain;
-        }
-      }
+  for_blocks(raster, [&](int block, std::size_t first, std::size_t end) {
+    for (std::size_t cell = first; cell < end; ++cell) {
+      const bool unseen = raster.seen[cell] == 0 && gap[cell] != 0;
+      std::fill_n(&costs.of(cell, 0), k_directions, unseen ? k_unseen_cost_per_mm : plain);
     }
+    for (const CreaseLooks::Turning& at : looks.turning(block))
+      costs.of(at.cell, at.direction) = cost_of(k_line_log_odds + looks.odds(at));
   });
   return costs;
 }
 
-void compare_costs(CurveCosts& costs, const Raster& raster, const CreaseLooks& looks,
-                   const SignWeights& usual) {
-  const float plain = cost_of(k_line_log_odds + usual[static_cast<std::size_t>(CreaseSign::Always)]);
-  tbb::parallel_for(tbb::blocked_range<int>{0, raster.cols, 16}, [&](const auto& range) {
-    for (int col = range.begin(); col != range.end(); ++col) {
-      for (int row = 0; row < raster.rows; ++row) {
-        const std::size_t cell = raster.at(row, col);
-        if (raster.seen[cell] == 0) continue;
-        for (std::size_t k = 0; k < k_directions; ++k) {
-          float& cost = costs.of(cell, k);
-          if (cost < k_most_cost_per_mm)
-            cost = looks.turns(cell, k) ? cost_of(k_line_log_odds + looks.odds(cell, k)) : plain;
-        }
-      }
+void compare_costs(CurveCosts& costs, const Raster& raster, const CreaseLooks& looks) {
+  for_blocks(raster, [&](int block, std::size_t, std::size_t) {
+    for (const CreaseLooks::Turning& at : looks.turning(block)) {
+      float& cost = costs.of(at.cell, at.direction);
+      if (cost < k_most_cost_per_mm) cost = cost_of(k_line_log_odds + looks.odds(at));
     }
   });
 }

@@ -2,6 +2,8 @@
 #pragma once
 /// \file The data term: what a millimetre of a curve costs at each place, in each direction.
 
+#include <algorithm>
+
 #include "host/bite_line/curve/crease_looks.hpp"
 #include "host/bite_line/curve/raster.hpp"
 #include "host/bite_line/large.hpp"
@@ -18,6 +20,11 @@ struct CurveCosts {
   /// "surface".
   Large<float> per_mm;
 
+  /// Of all directions at a cell.
+  [[nodiscard]] float least(std::size_t cell) const {
+    const float* of_cell = &per_mm[cell * k_directions];
+    return *std::min_element(of_cell, of_cell + k_directions);
+  }
   [[nodiscard]] std::size_t at(int row, int col) const {
     return static_cast<std::size_t>(col) * static_cast<std::size_t>(rows) + static_cast<std::size_t>(row);
   }
@@ -42,7 +49,6 @@ inline constexpr float k_most_cost_per_mm = 4.0F;
 
 /// Once `looks` compare places with what the line usually shows: these costs anew.  What was as unlikely as
 /// can be stays so.
-void compare_costs(CurveCosts& costs, const Raster& raster, const CreaseLooks& looks,
-                   const SignWeights& usual);
+void compare_costs(CurveCosts& costs, const Raster& raster, const CreaseLooks& looks);
 
 }  // namespace biteline::bite_line

@@ -20,7 +20,7 @@ struct CurveGround {
   /// Costs as they are when what this shoe's line usually shows is known.
   void compare_with(const CreaseSigns& usual) {
     looks.compare_with(usual);
-    compare_costs(costs, raster, looks, weights.usual);
+    compare_costs(costs, raster, looks);
   }
 
   Raster raster;

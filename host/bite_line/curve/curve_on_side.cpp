@@ -85,6 +85,20 @@ Highest highest_from(const CurveGround& ground, const CurveConfig& search, Close
   return {std::move(curve), std::nullopt};
 }
 
+/// Of rivals all round, the likeliest one that is above the curve and likelier than it.
+const CurveRival* likelier_above(std::span<const CurveRival> rivals, const ClosedCurve& curve) {
+  const CurveRival* likeliest = nullptr;
+  double most = 0;
+  for (const CurveRival& rival : rivals) {
+    if (rival.count != curve.states.size() || !rival.seen || !(rival.above_mm > 0)) continue;
+    const double log_odds = log_odds_of(rival, curve, k_posterior);
+    if (log_odds <= most) continue;
+    most = log_odds;
+    likeliest = &rival;
+  }
+  return likeliest;
+}
+
 }  // namespace
 
 CurveGround curve_ground(const Side& side) {
@@ -122,10 +136,19 @@ std::optional<CurveAndRivals> best_curve(CurveGround& ground, const CurveConfig&
   ground.compare_with(usual_along(ground, first.curve.states));
   best = CurveSearch{ground.costs, search}.best();
   if (!best) return std::nullopt;
-  ClosedCurve curve = highest_from(ground, search, *std::move(best), as_whole).curve;
-  std::vector<CurveRival> rivals = rivals_of(ground, search, curve, k_rivals);
-  for (CurveRival& rival : rivals)
-    if (rival.count == curve.states.size()) rival.as_whole = as_whole(rival.states, curve.states);
+  ClosedCurve curve = *std::move(best);
+  std::vector<CurveRival> rivals;
+  // Each is higher than the one before: this ends.
+  for (const CurveRival* upper = nullptr;;) {
+    Highest highest = highest_from(ground, search, std::move(curve), as_whole);
+    curve = std::move(highest.curve);
+    rivals = rivals_of(ground, search, curve, std::move(highest.above), k_rivals);
+    for (CurveRival& rival : rivals)
+      if (rival.count == curve.states.size()) rival.as_whole = as_whole(rival.states, curve.states);
+    upper = likelier_above(rivals, curve);
+    if (upper == nullptr) break;
+    curve = {.states = upper->states, .energy = curve.energy + upper->excess};
+  }
   // That a way above does not look as the curve itself usually does is no reason to forget it.
   const auto leads_above = [&](const CurveRival& rival) {
     return leads_all_round(rival, curve) && rival.above_mm > 0;
@@ -134,7 +157,8 @@ std::optional<CurveAndRivals> best_curve(CurveGround& ground, const CurveConfig&
     first.above->count = curve.states.size();
     rivals.push_back(*std::move(first.above));
   }
-  return CurveAndRivals{.curve = std::move(curve), .rivals = std::move(rivals)};
+  CurveLook look = look_of(places_along(ground, curve.states));
+  return CurveAndRivals{.curve = std::move(curve), .rivals = std::move(rivals), .look = std::move(look)};
 }
 
 std::optional<CurveOnSide> curve_on(const Side& side, std::span<const RunLook> looks) {
@@ -146,7 +170,7 @@ std::optional<CurveOnSide> curve_on(const Side& side, std::span<const RunLook> l
   });
   if (!best) return std::nullopt;
   std::vector<CurveStation> stations =
-      curve_posterior(ground.raster, best->curve, best->rivals, k_rivals.same_mm, k_posterior);
+      curve_posterior(ground.raster, best->curve, best->rivals, best->look, k_rivals.same_mm, k_posterior);
   const double evidence = evidence_along(ground, best->curve.states);
   return CurveOnSide{.curve = std::move(best->curve), .evidence = evidence, .stations = std::move(stations)};
 }

@@ -19,10 +19,11 @@ namespace biteline::bite_line {
 /// as wholes.
 using AsWhole = std::function<double(std::span<const CurveState>, std::span<const CurveState>)>;
 
-/// A curve, and where else the line may run.
+/// A curve, where else the line may run, and how the curve looks.
 struct CurveAndRivals {
   ClosedCurve curve;
   std::vector<CurveRival> rivals;
+  CurveLook look;
 };
 /// The cheapest closed curve, or one all round above it that is the likelier line.  What it usually shows is
 /// this shoe's line's own look, and the search is done once more by that.

@@ -35,11 +35,12 @@ class Stations {
     }
   }
 
-  [[nodiscard]] std::vector<CurveStation> stations(double least_mass) const {
+  /// `odds`: that a place is not on the line, whatever rivals it has.
+  [[nodiscard]] std::vector<CurveStation> stations(std::span<const double> odds, double least_mass) const {
     std::vector<CurveStation> all;
     for (std::size_t i = 0; i < places_.size(); ++i) {
       CurveStation station{.place = places_[i]};
-      double sum = 1;
+      double sum = 1 + odds[i];
       for (const Odds& other : others_[i]) sum += other.mass;
       station.hold = 1 / sum;
       for (Odds other : others_[i]) {
@@ -98,6 +99,16 @@ class Stations {
   std::vector<std::vector<Odds>> others_;
 };
 
+template <class Signs>
+double sum_of(const Signs& weights, const Signs& signs) {
+  return std::inner_product(weights.begin(), weights.end(), signs.begin(), 0.0);
+}
+
+double log_of(double per_mm, double most_per_mm = k_most_cost_per_mm) {
+  constexpr double k_least_per_mm = 0.02;  // nothing is plainer
+  return std::log(std::clamp(per_mm, k_least_per_mm, most_per_mm));
+}
+
 }  // namespace
 
 double more_per_mm(const CurveRival& rival) {
@@ -115,27 +126,50 @@ RoundSigns round_signs(const CurveRival& rival) {
 }
 
 PartSigns part_signs(const CurveRival& rival) {
-  // Nothing is plainer than the least; what shows nothing is no better known for that.
-  constexpr double k_least_per_mm = 0.02, k_most_per_mm = static_cast<double>(k_unseen_cost_per_mm);
-  return {1, std::log(std::clamp(rival.own_per_mm, k_least_per_mm, k_most_per_mm)),
-          std::log(std::max(k_least_per_mm, rival.faintest_per_mm))};
+  // What shows nothing is no better known for that.
+  constexpr double k_most_per_mm = static_cast<double>(k_unseen_cost_per_mm);
+  return {1, log_of(rival.own_per_mm, k_most_per_mm), log_of(rival.faintest_per_mm)};
+}
+
+std::vector<std::optional<PlaceSigns>> place_signs(const ClosedCurve& curve,
+                                                   std::span<const CurveRival> rivals,
+                                                   const CurveLook& look) {
+  const std::size_t n = curve.states.size();
+  const double length_mm = length_of(curve.states);
+  std::vector<double> above(n, 0.0);
+  for (const CurveRival& rival : rivals) {
+    if (!rival.seen || !(rival.above_mm > 0) || leads_all_round(rival, curve)) continue;
+    const double share = rival.two_surfaces * std::min(1.0, rival.length_mm / length_mm);
+    for (std::size_t k = 0; k < rival.count; ++k) {
+      double& most = above[(rival.first + k) % n];
+      most = std::max(most, share);
+    }
+  }
+  std::vector<std::optional<PlaceSigns>> signs(n);
+  for (std::size_t i = 0; i < look.places.size(); ++i) {
+    const PlaceLook& at = look.places[i];
+    if (at.seen)
+      signs[i] = PlaceSigns{
+          1, log_of(at.per_mm), at.rim, log_of(look.per_mm), at.unlike_rim, at.unlike_below, above[i]};
+  }
+  return signs;
 }
 
 double log_odds_of(const CurveRival& rival, const ClosedCurve& curve, const PosteriorConfig& config) {
-  const auto sum = [](const auto& weights, const auto& signs) {
-    return std::inner_product(weights.begin(), weights.end(), signs.begin(), 0.0);
-  };
   if (!rival.seen) return config.unseen + config.unseen_more * more_per_mm(rival);
-  if (leads_all_round(rival, curve)) return sum(config.round, round_signs(rival)) + rival.as_whole;
-  return sum(config.part, part_signs(rival));
+  if (leads_all_round(rival, curve)) return sum_of(config.round, round_signs(rival)) + rival.as_whole;
+  return sum_of(config.part, part_signs(rival));
 }
 
 std::vector<CurveStation> curve_posterior(const Raster& raster, const ClosedCurve& curve,
-                                          std::span<const CurveRival> rivals, double same_mm,
-                                          const PosteriorConfig& config) {
+                                          std::span<const CurveRival> rivals, const CurveLook& look,
+                                          double same_mm, const PosteriorConfig& config) {
   Stations stations{raster, curve, same_mm};
   for (const CurveRival& rival : rivals) stations.add(rival, std::exp(log_odds_of(rival, curve, config)));
-  return stations.stations(config.least_mass);
+  std::vector<double> odds;
+  for (const std::optional<PlaceSigns>& signs : place_signs(curve, rivals, look))
+    odds.push_back(signs ? config.place_rarer * std::exp(sum_of(config.place, *signs)) : 0.0);
+  return stations.stations(odds, config.least_mass);
 }
 
 }  // namespace biteline::bite_line

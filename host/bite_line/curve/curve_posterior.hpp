@@ -3,9 +3,11 @@
 /// \file Where else the line may run, place by place along a curve, and how likely.
 
 #include <array>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "host/bite_line/curve/curve_look.hpp"
 #include "host/bite_line/curve/curve_rivals.hpp"
 #include "host/bite_line/curve/curve_search.hpp"
 #include "host/bite_line/curve/raster.hpp"
@@ -25,10 +27,25 @@ using RoundSigns = std::array<double, 3>;
 using PartSigns = std::array<double, 3>;
 [[nodiscard]] PartSigns part_signs(const CurveRival& rival);
 
-/// That a way is the line and the curve beside it is not: two logistic fits of `bench_curve_fit --rivals`.
+/// And of each place of a curve, whatever rivals there are: what was taken wrongly looks unlike the rest of
+/// the curve. 1; the logarithm of what the place costs; its rim; the logarithm of what the whole curve costs;
+/// how far its rim, and what is below it, are from the curve's usual ones; and the share of the curve that a
+/// way beside it passes above, times how much that way lies between two surfaces.
+using PlaceSigns = std::array<double, 7>;
+/// None of places about which nothing was seen.
+[[nodiscard]] std::vector<std::optional<PlaceSigns>> place_signs(const ClosedCurve& curve,
+                                                                 std::span<const CurveRival> rivals,
+                                                                 const CurveLook& look);
+
+/// That a way is the line and the curve beside it is not, and that a place of the curve is not on it: three
+/// logistic fits of `bench_curve_fit --rivals`.
 struct PosteriorConfig {
   RoundSigns round{4.85, 9.19, -3.59};
   PartSigns part{-4.00, 0.66, 3.34};
+  PlaceSigns place{-2.06, 1.17, 5.13, 1.97, 4.36, 2.05, 4.07};
+  /// The fit's shoes are the hard ones.  Of a factory's so many times fewer places are wrong: its odds are
+  /// corrected by that (King, Zeng, "Logistic regression in rare events data", Political Analysis 9, 2001).
+  double place_rarer{0.15};
   /// Where nothing is seen, the way that costs as much is as likely.
   double unseen{1.0};
   double unseen_more{-20.0};
@@ -58,7 +75,8 @@ struct CurveStation {
 
 /// Per state of the curve.  Ways that lie within `same_mm` of each other are one.
 [[nodiscard]] std::vector<CurveStation> curve_posterior(const Raster& raster, const ClosedCurve& curve,
-                                                        std::span<const CurveRival> rivals, double same_mm,
+                                                        std::span<const CurveRival> rivals,
+                                                        const CurveLook& look, double same_mm,
                                                         const PosteriorConfig& config);
 
 }  // namespace biteline::bite_line

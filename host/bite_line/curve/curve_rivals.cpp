@@ -8,6 +8,8 @@
 #include <span>
 #include <utility>
 
+#include "host/bite_line/curve/curve_look.hpp"
+
 namespace biteline::bite_line {
 
 namespace {
@@ -48,15 +50,16 @@ class Band {
   std::vector<float> off_;
 };
 
-/// The costs when some cells are dearer.
-class DearerCosts {
+/// So much more some cells cost.
+class DearerCells {
  public:
-  DearerCosts(const Raster& raster, const CurveCosts& costs, double reach_mm, double per_mm)
+  DearerCells(const Raster& raster, double reach_mm, double per_mm)
       : raster_{raster},
-        costs_{costs},
         reach_{static_cast<int>(reach_mm / Raster::k_cell_mm)},
         per_mm_{static_cast<float>(per_mm)},
-        dearer_(raster.size(), 0) {}
+        dearer_(raster.size()) {
+    std::ranges::fill(dearer_, 0.0F);
+  }
 
   /// What lies beside these states.
   void raise(std::span<const CurveState> states) {
@@ -64,26 +67,20 @@ class DearerCosts {
       for (int col = at.col - reach_; col <= at.col + reach_; ++col) {
         for (int row = std::max(0, at.row - reach_); row <= std::min(raster_.rows - 1, at.row + reach_);
              ++row)
-          raise(raster_.at(row, raster_.round_col(col)));
+          dearer_[raster_.at(row, raster_.round_col(col))] = per_mm_;
       }
     }
   }
   [[nodiscard]] bool is_dearer(const CurveState& at) const {
     return dearer_[raster_.at(at.row, raster_.round_col(at.col))] != 0;
   }
-  [[nodiscard]] const CurveCosts& costs() const { return costs_; }
+  [[nodiscard]] std::span<const float> per_cell() const { return dearer_; }
 
  private:
-  void raise(std::size_t cell) {
-    if (std::exchange(dearer_[cell], std::uint8_t{1}) != 0) return;
-    for (std::size_t k = 0; k < k_directions; ++k) costs_.of(cell, k) += per_mm_;
-  }
-
   const Raster& raster_;
-  CurveCosts costs_;
   int reach_;
   float per_mm_;
-  std::vector<std::uint8_t> dearer_;
+  Large<float> dearer_;
 };
 
 std::vector<Vec2> places_of(const Raster& raster, std::span<const CurveState> states) {
@@ -158,8 +155,12 @@ std::vector<CurveRival> ways_of(const ClosedCurve& other, const Band& band, cons
                       .excess = excess};
   };
   const double all_more = way_cost(0, n) - own_cost(0, own);
-  if (away.front().count == n) return {found(0, own, other.states, all_more)};
   std::vector<CurveRival> ways;
+  // Both may be one where a side shows hardly anything else, as behind a high heel: it is another curve
+  // still.
+  if (2 * std::ranges::max(away, {}, &Away::count).count > n)
+    ways.push_back(found(0, own, other.states, all_more));
+  if (away.front().count == n) return ways;
   for (std::size_t k = 0; k < away.size(); ++k) {
     const Away& here = away[k];
     const std::size_t leaves = *beside(here.first + n - 1), returns = *beside(here.first + here.count);
@@ -178,66 +179,15 @@ std::vector<CurveRival> ways_of(const ClosedCurve& other, const Band& band, cons
   return ways;
 }
 
-/// A curve's place whose surface was seen.
-struct SeenPlace {
-  CreaseSigns signs;
-  double per_mm;
-  double mm;  ///< to the next place
-};
-
-double mean_of(std::span<const SeenPlace> places, CreaseSign sign) {
-  double sum = 0;
-  for (const SeenPlace& place : places)
-    sum += static_cast<double>(place.signs[static_cast<std::size_t>(sign)]);
-  return sum / static_cast<double>(std::max<std::size_t>(places.size(), 1));
-}
-
-double mean_per_mm(std::span<const SeenPlace> places) {
-  double sum = 0;
-  for (const SeenPlace& place : places) sum += place.per_mm;
-  return sum / static_cast<double>(std::max<std::size_t>(places.size(), 1));
-}
-
-/// Of means over some 12 mm: their standard deviation.
-double uneven_along(std::span<const SeenPlace> places) {
-  constexpr std::size_t k_run = 17;
-  if (places.size() < k_run) return 0;
-  const double mean = mean_per_mm(places);
-  double squares = 0;
-  for (std::size_t i = 0; i + k_run <= places.size(); ++i) {
-    const double off = mean_per_mm(places.subspan(i, k_run)) - mean;
-    squares += off * off;
-  }
-  return std::sqrt(squares / static_cast<double>(places.size() - k_run + 1));
-}
-
-/// Over 3 mm: the most of it that looks like no line.
-double faintest_of(std::span<const SeenPlace> places) {
-  constexpr double k_run_mm = 3;
-  double most = 0;
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    double cost = 0, mm = 0;
-    for (std::size_t j = i; j < places.size() && mm < k_run_mm; ++j) {
-      cost += places[j].per_mm * places[j].mm;
-      mm += places[j].mm;
-    }
-    if (mm >= k_run_mm || i == 0) most = std::max(most, cost / mm);
-  }
-  return most;
-}
-
 /// What rivals look like, beside their stretches of a curve.
 class Looker {
  public:
-  Looker(const CurveGround& ground, const ClosedCurve& curve) : ground_{ground} {
-    for (const CurveState& at : curve.states) own_.push_back(place_at(at));
-  }
+  Looker(const CurveGround& ground, const ClosedCurve& curve)
+      : ground_{ground}, own_{places_along(ground, curve.states)} {}
 
   void look_at(CurveRival& rival) const {
-    std::vector<SeenPlace> way;
-    for (const CurveState& at : rival.states)
-      if (const std::optional<SeenPlace> place = place_at(at)) way.push_back(*place);
-    const std::vector<SeenPlace> stretch = own_part(rival.first, rival.count);
+    const std::vector<SeenPlace> way = seen_of(places_along(ground_, rival.states), 0, rival.states.size());
+    const std::vector<SeenPlace> stretch = seen_of(own_, rival.first, rival.count);
     rival.seen = 3 * way.size() > rival.states.size() && 3 * stretch.size() > rival.count;
     if (!rival.seen) return;
     const std::vector<SeenPlace>& upper = rival.above_mm > 0 ? way : stretch;
@@ -246,31 +196,15 @@ class Looker {
     rival.own_per_mm = mean_per_mm(stretch);
     // The curve leaves the line, and comes back to it, before the way is well beside it.
     const std::size_t ends = std::min(k_leaving, (own_.size() - rival.count) / 2);
-    rival.faintest_per_mm = faintest_of(own_part(rival.first + own_.size() - ends, rival.count + 2 * ends));
+    rival.faintest_per_mm =
+        faintest_of(seen_of(own_, rival.first + own_.size() - ends, rival.count + 2 * ends));
   }
 
  private:
   static constexpr std::size_t k_leaving = 6;  // states: 4.5 mm, twice RivalConfig::same_mm
 
-  /// What was seen of so many states of the curve.
-  [[nodiscard]] std::vector<SeenPlace> own_part(std::size_t first, std::size_t count) const {
-    std::vector<SeenPlace> part;
-    for (std::size_t i = first; i < first + count; ++i)
-      if (const std::optional<SeenPlace>& place = own_[i % own_.size()]) part.push_back(*place);
-    return part;
-  }
-
-  [[nodiscard]] std::optional<SeenPlace> place_at(const CurveState& at) const {
-    const int col = ground_.raster.round_col(at.col);
-    const std::size_t cell = ground_.raster.at(at.row, col);
-    if (ground_.raster.seen[cell] == 0) return std::nullopt;
-    return SeenPlace{.signs = ground_.looks.all(at.row, col, at.direction),
-                     .per_mm = static_cast<double>(ground_.costs.of(cell, at.direction)),
-                     .mm = k_cell_steps[at.direction].length() * Raster::k_cell_mm};
-  }
-
   const CurveGround& ground_;
-  std::vector<std::optional<SeenPlace>> own_;
+  PlacesAlong own_;
 };
 
 /// Per column, the lowest row that is well above the curve.
@@ -292,21 +226,22 @@ std::optional<CurveRival> way_above(const CurveGround& ground, const CurveConfig
                                     const ClosedCurve& curve, const RivalConfig& config) {
   constexpr float k_barred = 100;
   const std::vector<int> first = rows_above(ground.raster, curve, config.same_mm);
-  CurveCosts above = ground.costs;
-  double least = 0;  // a way costs hardly less: it passes all columns but those that a long step skips
-  for (int col = 0; col < above.cols; ++col) {
-    const std::size_t from = above.at(0, col) * k_directions;
-    const auto rows = static_cast<std::size_t>(std::min(first[static_cast<std::size_t>(col)], above.rows));
-    const auto begin = above.per_mm.begin() + static_cast<std::ptrdiff_t>(from);
-    const auto open = begin + static_cast<std::ptrdiff_t>(rows * k_directions);
-    const auto end = begin + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(above.rows) * k_directions);
-    std::fill(begin, open, k_barred);
-    least +=
-        ground.raster.col_mm * static_cast<double>(open == end ? k_barred : *std::min_element(open, end));
+  const CurveCosts& costs = ground.costs;
+  Large<float> barred(ground.raster.size());
+  double sum = 0;  // a way costs hardly less: it passes all columns but those that a long step skips
+  for (int col = 0; col < costs.cols; ++col) {
+    float least = k_barred;
+    for (int row = 0; row < costs.rows; ++row) {
+      const std::size_t cell = costs.at(row, col);
+      const bool above = row >= first[static_cast<std::size_t>(col)];
+      barred[cell] = above ? 0 : k_barred;
+      if (above) least = std::min(least, costs.least(cell));
+    }
+    sum += ground.raster.col_mm * static_cast<double>(least);
   }
   const double limit = config.above_per_mm * length_of(curve.states);
-  if (least > limit) return std::nullopt;
-  std::optional<ClosedCurve> other = CurveSearch{above, search}.best(limit);
+  if (sum > limit) return std::nullopt;
+  std::optional<ClosedCurve> other = CurveSearch{costs, search, barred}.best(limit);
   if (!other) return std::nullopt;
   CurveRival rival{.first = 0,
                    .count = curve.states.size(),
@@ -320,18 +255,19 @@ std::optional<CurveRival> way_above(const CurveGround& ground, const CurveConfig
 }
 
 std::vector<CurveRival> rivals_of(const CurveGround& ground, const CurveConfig& search,
-                                  const ClosedCurve& curve, const RivalConfig& config) {
+                                  const ClosedCurve& curve, std::optional<CurveRival> above,
+                                  const RivalConfig& config) {
   const Raster& raster = ground.raster;
   const CurveCosts& costs = ground.costs;
   const Band band{raster, curve, config.same_mm};
   const std::vector<CurveState> once_round = part_of(curve, 0, curve.states.size() + 1, raster.cols);
-  const double own_per_mm = curve.energy / length_of(curve.states);
-  DearerCosts dearer{raster, costs, config.same_mm, config.per_mm + own_per_mm};
+  const double more_per_mm = config.per_mm + curve.energy / length_of(curve.states);
+  DearerCells dearer{raster, config.same_mm, more_per_mm};
   dearer.raise(once_round);
-  const double own_cost = energy_of(once_round, dearer.costs(), search);
+  const double own_cost = energy_of(once_round, costs, search) + more_per_mm * length_of(once_round);
   std::vector<CurveRival> rivals;
   for (int i = 0; i < config.searches; ++i) {
-    const std::optional<ClosedCurve> other = CurveSearch{dearer.costs(), search}.best(own_cost);
+    const std::optional<ClosedCurve> other = CurveSearch{costs, search, dearer.per_cell()}.best(own_cost);
     if (!other) break;
     std::vector<CurveRival> ways = ways_of(*other, band, raster, costs, search, curve);
     std::erase_if(ways, [&](const CurveRival& way) {
@@ -345,7 +281,6 @@ std::vector<CurveRival> rivals_of(const CurveGround& ground, const CurveConfig& 
   }
   const Looker looker{ground, curve};
   for (CurveRival& rival : rivals) looker.look_at(rival);
-  std::optional<CurveRival> above = way_above(ground, search, curve, config);
   const auto is_known = [&](const CurveState& at) { return dearer.is_dearer(at); };
   if (above && !std::ranges::all_of(above->states, is_known)) rivals.push_back(*std::move(above));
   return rivals;

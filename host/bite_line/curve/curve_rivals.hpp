@@ -47,11 +47,13 @@ struct RivalConfig {
                                                   const ClosedCurve& curve, const RivalConfig& config);
 
 /// The ways of the cheapest curve when all that lies beside `curve` costs so much more; then of the cheapest
-/// one when what lies beside these ways does, too; and so on until there is no other.  And the way above.
+/// one when what lies beside these ways does, too; and so on until there is no other.  And `above`, if that
+/// is another way: what way_above() found of the curve.
 /// What a stretch shows, its neighbours show, too: a mould line is as plain for a metre as for a centimetre.
 /// Energies of long stretches are therefore no likelihoods, and what tells rivals is how much they cost for
 /// each millimetre, and how they look.
 [[nodiscard]] std::vector<CurveRival> rivals_of(const CurveGround& ground, const CurveConfig& search,
-                                                const ClosedCurve& curve, const RivalConfig& config);
+                                                const ClosedCurve& curve, std::optional<CurveRival> above,
+                                                const RivalConfig& config);
 
 }  // namespace biteline::bite_line

@@ -67,13 +67,14 @@ struct ColumnBest {
   float margin;
 };
 
-ColumnBest best_of_column(const CurveCosts& costs, int col, int apart_rows) {
-  std::vector<float> own(static_cast<std::size_t>(costs.rows), k_out_of_reach);
+ColumnBest best_of_column(const CurveCosts& costs, std::span<const float> dearer, int col, int apart_rows) {
+  std::vector<float> own(static_cast<std::size_t>(costs.rows));
   ColumnBest best{k_out_of_reach, 0};
   int at = 0;
   for (int row = 0; row < costs.rows; ++row) {
+    const std::size_t cell = costs.at(row, col);
     float& least = own[static_cast<std::size_t>(row)];
-    for (std::size_t k = 0; k < k_directions; ++k) least = std::min(least, costs.of(costs.at(row, col), k));
+    least = costs.least(cell) + (dearer.empty() ? 0.0F : dearer[cell]);
     if (least >= best.least) continue;
     best.least = least;
     at = row;
@@ -133,8 +134,8 @@ double energy_of(std::span<const CurveState> states, const CurveCosts& costs, co
   return sum;
 }
 
-CurveSearch::CurveSearch(const CurveCosts& costs, const CurveConfig& config)
-    : costs_{costs}, config_{config} {
+CurveSearch::CurveSearch(const CurveCosts& costs, const CurveConfig& config, std::span<const float> dearer)
+    : costs_{costs}, dearer_{dearer}, config_{config} {
   BITELINE_EXPECTS(costs.rows > 0 && costs.cols > 4);
   constexpr double k_pad_mm = 15;  // a curve may turn back over the column where it began
   pad_cols_ = std::min(static_cast<int>(k_pad_mm / Raster::k_cell_mm), costs.cols / 2);
@@ -143,17 +144,12 @@ CurveSearch::CurveSearch(const CurveCosts& costs, const CurveConfig& config)
       bend_[k][static_cast<std::size_t>(turn + k_most_turn)] = bend_cost(k, turn, config.bend_mm);
   std::vector<ColumnBest> best;
   const int apart_rows = static_cast<int>(config.apart_mm / Raster::k_cell_mm);
-  for (int col = 0; col < costs.cols; ++col) best.push_back(best_of_column(costs, col, apart_rows));
+  for (int col = 0; col < costs.cols; ++col) best.push_back(best_of_column(costs, dearer, col, apart_rows));
   begin_col_ = surest_col(best);
   for (std::size_t k = 0; k < k_directions; ++k) half_step_mm_[k] = static_cast<float>(0.5 * length_mm(k));
   unrolled_cols_ = costs.cols + 2 * pad_cols_ + 1;
-  per_mm_.reserve(static_cast<std::size_t>(unrolled_cols_) * static_cast<std::size_t>(costs.rows) *
-                  k_directions);
-  for (int col = 0; col < unrolled_cols_; ++col) {
-    const float* from =
-        &costs.per_mm[costs.at(0, round_col(begin_col_ - pad_cols_ + col, costs.cols)) * k_directions];
-    per_mm_.insert(per_mm_.end(), from, from + static_cast<std::size_t>(costs.rows) * k_directions);
-  }
+  for (int col = 0; col < unrolled_cols_; ++col)
+    column_.push_back(costs.at(0, round_col(begin_col_ - pad_cols_ + col, costs.cols)));
   to_end_ = bounds();
 }
 
@@ -179,7 +175,7 @@ Large<float> CurveSearch::bounds() const {
       const int r = row - k_cell_steps[k].rows, c = col - k_cell_steps[k].cols;
       if (r < 0 || r >= rows || c < 0 || c >= unrolled_cols_) continue;
       const std::size_t there = costs_.at(r, c);
-      const float sum = least[here] + step_cost(k, here, there);
+      const float sum = least[here] + step_cost(k, row, col, r, c);
       if (sum >= least[there]) continue;
       least[there] = sum;
       open.push(sum, static_cast<std::uint32_t>(there));
@@ -201,11 +197,6 @@ CurveState CurveSearch::state_of(std::size_t index) const {
           .direction = index % k_directions};
 }
 
-float CurveSearch::step_cost(std::size_t direction, std::size_t from, std::size_t to) const {
-  return half_step_mm_[direction] *
-         (per_mm_[from * k_directions + direction] + per_mm_[to * k_directions + direction]);
-}
-
 template <class Reach>
 void CurveSearch::for_next(std::size_t state, float total, Reach&& reach) const {
   const std::size_t direction = state % k_directions, here = state / k_directions;
@@ -214,7 +205,7 @@ void CurveSearch::for_next(std::size_t state, float total, Reach&& reach) const 
   const int r = row + k_cell_steps[direction].rows, c = col + k_cell_steps[direction].cols;
   if (r < 0 || r >= rows || c < 0 || c >= unrolled_cols_) return;
   const std::size_t there = costs_.at(r, c);
-  const float sum = total + step_cost(direction, here, there);
+  const float sum = total + step_cost(direction, row, col, r, c);
   for (int turn = -k_most_turn; turn <= k_most_turn; ++turn) {
     const std::size_t k = turned(direction, turn);
     if (k >= k_directions) continue;
@@ -225,10 +216,18 @@ void CurveSearch::for_next(std::size_t state, float total, Reach&& reach) const 
 
 CurveSearch::Totals CurveSearch::swept(std::span<const int> rows, float limit) const {
   Totals totals;
-  const std::size_t states = per_mm_.size();
-  totals.total.resize(states);
-  std::fill(totals.total.begin(), totals.total.end(), k_out_of_reach);
-  totals.turn.resize(states);
+  const std::size_t cells = to_end_.size();
+  totals.total.resize(cells * k_directions);
+  totals.turn.resize(cells * k_directions);
+  totals.reached_cell.resize(cells);
+  std::ranges::fill(totals.reached_cell, std::uint8_t{0});
+  const auto total_of = [&](std::size_t state) -> float& {
+    const std::size_t cell = state / k_directions;
+    if (std::exchange(totals.reached_cell[cell], std::uint8_t{1}) == 0)
+      std::fill_n(totals.total.begin() + static_cast<std::ptrdiff_t>(cell * k_directions), k_directions,
+                  k_out_of_reach);
+    return totals.total[state];
+  };
   Open open;
   std::vector<std::uint8_t> ends(static_cast<std::size_t>(costs_.rows), 0);
   for (const int row : rows) {
@@ -237,7 +236,7 @@ CurveSearch::Totals CurveSearch::swept(std::span<const int> rows, float limit) c
       const std::size_t at = index({row, begin_col_, k});
       const float key = to_end_[at / k_directions];
       if (!nearly_level(k) || key >= limit) continue;
-      totals.total[at] = 0;
+      total_of(at) = 0;
       totals.turn[at] = k_begins;
       open.push(key, static_cast<std::uint32_t>(at));
     }
@@ -257,10 +256,11 @@ CurveSearch::Totals CurveSearch::swept(std::span<const int> rows, float limit) c
       break;
     }
     for_next(here, totals.total[here], [&](std::size_t there, float total, std::uint8_t turn) {
-      if (total >= totals.total[there]) return;
       const float key = total + to_end_[there / k_directions];
       if (key >= limit) return;
-      totals.total[there] = total;
+      float& known = total_of(there);
+      if (total >= known) return;
+      known = total;
       totals.turn[there] = turn;
       open.push(key, static_cast<std::uint32_t>(there));
     });
@@ -292,8 +292,9 @@ std::optional<ClosedCurve> CurveSearch::through_column(std::span<const int> rows
   const auto middle = std::ranges::upper_bound(rows, (first + last) / 2);
   const auto below = static_cast<std::size_t>(middle - rows.begin());
   std::optional<ClosedCurve> one = through_column(rows.subspan(0, below), limit);
+  constexpr double k_nearly = 0.998;  // of what is that near the cheapest, one is as good as the other
   std::optional<ClosedCurve> other =
-      through_column(rows.subspan(below), one ? static_cast<float>(one->energy) : limit);
+      through_column(rows.subspan(below), one ? static_cast<float>(k_nearly * one->energy) : limit);
   return other ? other : one;
 }
 

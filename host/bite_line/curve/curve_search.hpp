@@ -51,15 +51,17 @@ class CurveSearch {
  public:
   static constexpr double k_no_limit = 1e9;
 
-  /// `costs`: borrowed.
-  CurveSearch(const CurveCosts& costs, const CurveConfig& config);
+  /// `dearer`: so much more a millimetre costs, per cell; empty: no more.  Both it and `costs` are borrowed.
+  CurveSearch(const CurveCosts& costs, const CurveConfig& config, std::span<const float> dearer = {});
 
-  /// The cheapest one; none where the side has none that costs less than `limit`.
+  /// The cheapest one, to two thousandths of what it costs; none where the side has none that costs less than
+  /// `limit`.
   [[nodiscard]] std::optional<ClosedCurve> best(double limit = k_no_limit) const;
 
  private:
   /// What a sweep found, per state of the unrolled side.
   struct Totals {
+    Large<std::uint8_t> reached_cell;  ///< the totals of the others are not set
     Large<float> total;
     Large<std::uint8_t> turn;  ///< of the direction from the state before, see curve_search.cpp
     std::size_t end{0};        ///< where the cheapest way ends
@@ -78,15 +80,23 @@ class CurveSearch {
 
   [[nodiscard]] std::size_t index(const CurveState& state) const;
   [[nodiscard]] CurveState state_of(std::size_t index) const;
-  /// Cells are those of the unrolled side.
-  [[nodiscard]] float step_cost(std::size_t direction, std::size_t from, std::size_t to) const;
+  /// What a millimetre costs; `col` is one of the unrolled side.
+  [[nodiscard]] float per_mm(int row, int col, std::size_t direction) const {
+    const std::size_t cell = column_[static_cast<std::size_t>(col)] + static_cast<std::size_t>(row);
+    const float own = costs_.of(cell, direction);
+    return dearer_.empty() ? own : own + dearer_[cell];
+  }
+  [[nodiscard]] float step_cost(std::size_t direction, int row, int col, int to_row, int to_col) const {
+    return half_step_mm_[direction] * (per_mm(row, col, direction) + per_mm(to_row, to_col, direction));
+  }
 
   const CurveCosts& costs_;
+  std::span<const float> dearer_;
   CurveConfig config_;
   int begin_col_{0};
   int pad_cols_{0};
   int unrolled_cols_{0};
-  Large<float> per_mm_;  ///< of the unrolled side
+  std::vector<std::size_t> column_;  ///< of the unrolled side: its first cell
   Large<float> to_end_;
   std::array<float, k_directions> half_step_mm_;
   std::array<std::array<float, 5>, k_directions> bend_;  ///< by direction and turn -2 to 2

@@ -16,10 +16,9 @@ namespace biteline::bite_line {
 namespace {
 
 constexpr double k_spacing_mm = 0.5;
-constexpr double k_beside_guide_mm = 40.0;
 
 /// As a closed curve, anticlockwise: along the guide, and back far above.
-Outline unrolled_of(std::span<const Vec2> guide, double turn_mm) {
+Outline unrolled_of(std::span<const Vec2> guide, double turn_mm, double beside_mm) {
   constexpr double k_beyond_mm = 80.0, k_far_mm = 500.0;
   const auto beyond = std::min(guide.size(), static_cast<std::size_t>(k_beyond_mm / k_spacing_mm));
   const Vec2 turn{turn_mm, 0};
@@ -31,7 +30,7 @@ Outline unrolled_of(std::span<const Vec2> guide, double turn_mm) {
   const double begin_mm = curve.front().x();
   curve.emplace_back(end_mm, k_far_mm);
   curve.emplace_back(begin_mm, k_far_mm);
-  return Outline{curve, {.spacing_mm = k_spacing_mm, .smoothing_mm = 0, .reach_mm = k_beside_guide_mm}};
+  return Outline{curve, {.spacing_mm = k_spacing_mm, .smoothing_mm = 0, .reach_mm = beside_mm}};
 }
 
 /// Of a place beside it; below 0 where there is none.
@@ -54,6 +53,10 @@ Outline outline_of(const Outline& outline, const Outline& unrolled, double first
   for (std::size_t k = 0; k < count; ++k)
     curve[k] -= static_cast<double>(k) / static_cast<double>(count) * at;
   return Outline{curve, {.smoothing_mm = 0}};
+}
+
+double height_of(const Vec2& place) {
+  return place.y();
 }
 
 double mean_height(std::span<const Vec2> guide) {
@@ -86,22 +89,24 @@ std::vector<Vec2> smooth_guide(std::span<const Vec2> guide, double turn_mm, doub
   return smooth;
 }
 
-OrRefusal<Levelled> Levelled::along(const Side& side, std::span<const Vec2> guide) {
+OrRefusal<Levelled> Levelled::along(const Side& side, std::span<const Vec2> guide, double beside_mm) {
   constexpr double k_least_ratio = 0.9;  // nothing that goes round is shorter than the outline, to rounding
   BITELINE_EXPECTS(guide.size() > 2);
   const double turn_mm = side.outline.length_mm();
-  Outline unrolled = unrolled_of(guide, turn_mm);
+  Outline unrolled = unrolled_of(guide, turn_mm, beside_mm);
   const double first_mm = along_curve(unrolled, guide.front());
   const double length_mm = along_curve(unrolled, guide.front() + Vec2{turn_mm, 0}) - first_mm;
   if (first_mm < 0 || length_mm < k_least_ratio * turn_mm)
     return refuse(Refused::NoCreaseAllRound, "the crease that was followed turns back: it does not go round");
-  return Levelled{side, guide, std::move(unrolled), first_mm, length_mm};
+  return Levelled{side, guide, std::move(unrolled), first_mm, length_mm, beside_mm};
 }
 
 Levelled::Levelled(const Side& side, std::span<const Vec2> guide, Outline unrolled, double first_mm,
-                   double length_mm)
+                   double length_mm, double beside_mm)
     : side_{side},
       begin_mm_{guide.front().x()},
+      low_mm_{static_cast<float>(std::ranges::min(guide, {}, &height_of).y() - beside_mm)},
+      high_mm_{static_cast<float>(std::ranges::max(guide, {}, &height_of).y() + beside_mm)},
       unrolled_{std::move(unrolled)},
       first_mm_{first_mm},
       length_mm_{length_mm},
@@ -109,24 +114,31 @@ Levelled::Levelled(const Side& side, std::span<const Vec2> guide, Outline unroll
       outline_{outline_of(side.outline, unrolled_, first_mm_, length_mm_)} {}
 
 void Levelled::level(std::span<const Eigen::Vector3f> points, std::span<Eigen::Vector3f> to) const {
-  std::vector<OutlinePlace> places(points.size());
-  side_.outline.locate(points, places);
-  std::vector<Eigen::Vector3f> unrolled(points.size());
-  const auto begin_mm = static_cast<float>(begin_mm_);
-  const auto turn_mm = static_cast<float>(side_.outline.length_mm());
-  for (std::size_t i = 0; i < points.size(); ++i)
-    unrolled[i] = {places[i].s_mm + (places[i].s_mm < begin_mm ? turn_mm : 0.0F), places[i].z_mm, 0};
-  std::vector<OutlinePlace> beside(points.size());
-  unrolled_.locate(unrolled, beside);
-  const double stretch = outline_.length_mm() / length_mm_;
+  std::vector<Eigen::Vector3f> near;
+  std::vector<std::size_t> index;
   for (std::size_t i = 0; i < points.size(); ++i) {
     to[i] = Eigen::Vector3f::Zero();
+    if (!(points[i].z() >= low_mm_ && points[i].z() <= high_mm_)) continue;
+    near.push_back(points[i]);
+    index.push_back(i);
+  }
+  std::vector<OutlinePlace> places(near.size());
+  side_.outline.locate(near, places);
+  std::vector<Eigen::Vector3f> unrolled(near.size());
+  const auto begin_mm = static_cast<float>(begin_mm_);
+  const auto turn_mm = static_cast<float>(side_.outline.length_mm());
+  for (std::size_t i = 0; i < near.size(); ++i)
+    unrolled[i] = {places[i].s_mm + (places[i].s_mm < begin_mm ? turn_mm : 0.0F), places[i].z_mm, 0};
+  std::vector<OutlinePlace> beside(near.size());
+  unrolled_.locate(unrolled, beside);
+  const double stretch = outline_.length_mm() / length_mm_;
+  for (std::size_t i = 0; i < near.size(); ++i) {
     if (places[i].s_mm < 0 || beside[i].s_mm < 0) continue;
     const double u_mm = (static_cast<double>(beside[i].s_mm) - first_mm_) * stretch;
-    const Vec2 plan = outline_.point(u_mm) + static_cast<double>(places[i].o_mm) * outline_.normal(u_mm);
+    const Vec2 plan = outline_.outwards(u_mm, static_cast<double>(places[i].o_mm));
     // Outwards of the unrolled curve is down.
-    to[i] = {static_cast<float>(plan.x()), static_cast<float>(plan.y()),
-             static_cast<float>(height_mm_) - beside[i].o_mm};
+    to[index[i]] = {static_cast<float>(plan.x()), static_cast<float>(plan.y()),
+                    static_cast<float>(height_mm_) - beside[i].o_mm};
   }
 }
 
@@ -169,14 +181,13 @@ double Levelled::along_unrolled(double u_mm) const {
 
 Vec2 Levelled::unrolled(const Vec2& level) const {
   const double mm = along_unrolled(level.x());
-  return unrolled_.point(mm) + (height_mm_ - level.y()) * unrolled_.normal(mm);
+  return unrolled_.outwards(mm, height_mm_ - level.y());
 }
 
 Vec3 Levelled::back(const Vec3& level) const {
   const OutlinePlace place = outline_.locate(level.cast<float>());
   const Vec2 at = unrolled({place.s_mm, level.z()});
-  const Vec2 plan =
-      side_.outline.point(at.x()) + static_cast<double>(place.o_mm) * side_.outline.normal(at.x());
+  const Vec2 plan = side_.outline.outwards(at.x(), static_cast<double>(place.o_mm));
   return {plan.x(), plan.y(), at.y()};
 }
 

@@ -18,6 +18,9 @@ namespace biteline::bite_line {
 /// Of a guide's smoothing: a curve over cells has corners.
 inline constexpr double k_guide_sigma_mm = 1.5;
 
+/// A levelled side has what lies so far beside its guide: all that gates ask for, or what placing reads.
+inline constexpr double k_judged_beside_mm = 40.0, k_placed_beside_mm = 16.0;
+
 /// Evenly spaced, and smoothed by a Gaussian of `sigma_mm` along it.  `guide`: places (s, z) once round; s
 /// goes on beyond the outline's length, which is `turn_mm`.
 [[nodiscard]] std::vector<Vec2> smooth_guide(std::span<const Vec2> guide, double turn_mm, double sigma_mm);
@@ -33,9 +36,11 @@ class Levelled {
  public:
   /// `guide`: evenly spaced and smooth, see smooth_guide().  A curve that bends sharper than it is wide folds
   /// what lies beside it.  One that does not run once round, forwards, is refused.  `side`: borrowed.
-  [[nodiscard]] static OrRefusal<Levelled> along(const Side& side, std::span<const Vec2> guide);
+  /// What lies farther than `beside_mm` from the guide is left out.
+  [[nodiscard]] static OrRefusal<Levelled> along(const Side& side, std::span<const Vec2> guide,
+                                                 double beside_mm = k_judged_beside_mm);
 
-  /// The shoe's points within 40 mm of the guide.  Its base is its own frame.
+  /// The shoe's points beside the guide.  Its base is its own frame.
   [[nodiscard]] Shoe shoe() const;
   [[nodiscard]] const Outline& outline() const { return outline_; }
   [[nodiscard]] double height_mm() const { return height_mm_; }  ///< of the guide
@@ -60,14 +65,15 @@ class Levelled {
   [[nodiscard]] std::vector<double> back(const SideField& level, std::span<const double> path_row) const;
 
  private:
-  Levelled(const Side& side, std::span<const Vec2> guide, Outline unrolled, double first_mm,
-           double length_mm);
+  Levelled(const Side& side, std::span<const Vec2> guide, Outline unrolled, double first_mm, double length_mm,
+           double beside_mm);
   [[nodiscard]] double along_unrolled(double u_mm) const;
   [[nodiscard]] Vec2 unrolled(const Vec2& level) const;  ///< of (u, z)
   void level(std::span<const Eigen::Vector3f> points, std::span<Eigen::Vector3f> to) const;
 
   const Side& side_;
   double begin_mm_;              ///< s of the guide's first place
+  float low_mm_, high_mm_;       ///< heights between which all lies that is beside the guide
   Outline unrolled_;             ///< the guide in the plane of s and z, with more of it beyond both ends
   double first_mm_, length_mm_;  ///< of the guide, along `unrolled_`
   double height_mm_;             ///< mean

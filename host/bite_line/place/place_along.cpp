@@ -214,7 +214,7 @@ OrRefusal<PlacedLine> place_along(const ScanPoints& scan, const Side& side, cons
   constexpr double k_spaced_mm = 0.5;
   const double turn_mm = side.outline.length_mm();
   const auto along = [&](std::span<const Vec2> places) {
-    return Levelled::along(side, smooth_guide(places, turn_mm, k_spaced_mm));
+    return Levelled::along(side, smooth_guide(places, turn_mm, k_spaced_mm), k_placed_beside_mm);
   };
   const OrRefusal<Levelled> first = along(found.levelled.guide(places_of(found.grid, found.path_row)));
   if (!first) return tl::unexpected{first.error()};

@@ -150,8 +150,8 @@ OutlinePlace Outline::locate(const Eigen::Vector3f& point) const {
 
 Outline::Between Outline::between(double s_mm) const {
   const auto count = static_cast<double>(points_.size());
-  double at = std::fmod(s_mm / length_mm_ * count, count);
-  if (at < 0) at += count;
+  double at = s_mm / length_mm_ * count;
+  at -= count * std::floor(at / count);
   const auto first = static_cast<std::size_t>(at) % points_.size();
   return {first, (first + 1) % points_.size(), at - std::floor(at)};
 }
@@ -164,6 +164,13 @@ Vec2 Outline::point(double s_mm) const {
 Vec2 Outline::normal(double s_mm) const {
   const Between b = between(s_mm);
   return ((1 - b.fraction) * normals_[b.first] + b.fraction * normals_[b.second]).normalized();
+}
+
+Vec2 Outline::outwards(double s_mm, double o_mm) const {
+  const Between b = between(s_mm);
+  const double left = 1 - b.fraction;
+  return left * points_[b.first] + b.fraction * points_[b.second] +
+         o_mm * (left * normals_[b.first] + b.fraction * normals_[b.second]).normalized();
 }
 
 double Outline::bend_per_mm(double s_mm) const {

@@ -49,7 +49,8 @@ class Outline {
   [[nodiscard]] OutlinePlace locate(const Eigen::Vector3f& point) const;
 
   [[nodiscard]] Vec2 point(double s_mm) const;
-  [[nodiscard]] Vec2 normal(double s_mm) const;  ///< outward unit normal
+  [[nodiscard]] Vec2 normal(double s_mm) const;                 ///< outward unit normal
+  [[nodiscard]] Vec2 outwards(double s_mm, double o_mm) const;  ///< so far out of point(s_mm)
   /// Curvature of the curve, 1/mm, positive where convex.
   [[nodiscard]] double bend_per_mm(double s_mm) const;
   [[nodiscard]] double length_mm() const { return length_mm_; }

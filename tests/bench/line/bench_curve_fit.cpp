@@ -7,6 +7,7 @@
 // from it. At the end each class of made shoes, and each shape, is left out in turn (--leave-out). Tried:
 // what a wrong curve takes as further surface, and a new fit.  It found fewer shapes, of six.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <map>
@@ -51,7 +52,7 @@ void print_fit(const char* name, const std::vector<Row>& rows, double ridge) {
   const Eigen::VectorXd w = logistic_fit(rows, rows.front().signs.size(), ridge);
   double log_likelihood = 0;
   for (const Row& row : rows)
-    log_likelihood += std::log(geometry::logistic((row.yes ? 1 : -1) * w.dot(row.signs)));
+    log_likelihood += row.weight * std::log(geometry::logistic((row.yes ? 1 : -1) * w.dot(row.signs)));
   std::printf("      %s{", name);
   for (Eigen::Index i = 0; i < w.size(); ++i) std::printf("%s%.2f", i == 0 ? "" : ", ", w[i]);
   std::printf("};  // %zu rows, %td of them wrong, log-likelihood %.1f\n", rows.size(),
@@ -85,14 +86,24 @@ class CurveFit {
   void fit_rivals() const {
     const std::vector<SearchVerdict> verdicts = search_all(bite_line::fitted_weights());
     tell("checked", verdicts);
-    std::vector<Row> round, part;
-    const auto row = [](const auto& signs, bool yes) {
+    // Neighbours look alike: of a run of 60 mm is known what one place would say that nothing else is like.
+    constexpr double k_place_weight = 0.05;
+    std::vector<Row> round, part, place;
+    const auto row = [](const auto& signs, bool yes, double weight = 1) {
       return Row{
           .signs = Eigen::Map<const Eigen::VectorXd>(signs.data(), static_cast<Eigen::Index>(signs.size())),
           .yes = yes,
-          .weight = 1};
+          .weight = weight};
     };
-    for (const SearchVerdict& verdict : verdicts) {
+    // Made shoes and shapes of public origin count half each.
+    std::array<double, 2> places_of{};
+    for (std::size_t i = 0; i < held_.size(); ++i)
+      places_of[held_[i].made()] += static_cast<double>(verdicts[i].places.size());
+    const double half = 0.5 * k_place_weight * (places_of[0] + places_of[1]);
+    for (std::size_t i = 0; i < held_.size(); ++i) {
+      const SearchVerdict& verdict = verdicts[i];
+      for (const JudgedPlace& judged : verdict.places)
+        place.push_back(row(judged.signs, judged.wrong, half / places_of[held_[i].made()]));
       for (const JudgedRival& judged : verdict.rivals) {
         constexpr double k_most = 0.6, k_shortest_mm = 15;
         const bool wrong = judged.right_share<1 - k_most, right = judged.right_share> k_most;
@@ -107,6 +118,7 @@ class CurveFit {
     }
     print_fit("round", round, 0.05);
     print_fit("part", part, 0.1);
+    print_fit("place", place, 0.5);
   }
 
   void leave_out() {
@@ -171,9 +183,20 @@ class CurveFit {
                     verdicts[i].known_energy);
     }
     tell_rivals(verdicts);
+    tell_places(verdicts);
     for (const auto& [kind, count] : right)
       std::printf("%s: %s right %d of %d\n", what, kind.c_str(), count.first, count.second);
     std::fflush(stdout);
+  }
+
+  /// A row for each place that the third fit reads.
+  void tell_places(const std::vector<SearchVerdict>& verdicts) const {
+    for (std::size_t i = 0; i < held_.size(); ++i)
+      for (const JudgedPlace& judged : verdicts[i].places) {
+        std::printf("place,%s,%s,%d", held_[i].kind.c_str(), held_[i].name.c_str(), judged.wrong ? 1 : 0);
+        for (const double sign : judged.signs) std::printf(",%.3f", sign);
+        std::printf("\n");
+      }
   }
 
   /// Where PosteriorConfig comes from: a row for each rival.

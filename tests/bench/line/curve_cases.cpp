@@ -63,7 +63,6 @@ void made_cases(const MadeKind& kind, const std::function<void(CurveCase&&)>& us
     if (!cell.is_shoe() || ((kind.guard || kind.heel_ratio || kind.flush) && !designed)) continue;
     if (kind.flush) cell.crease_ratio = 0.1 + 0.05 * static_cast<double>(made % 5);
     const std::string group{sim::name_of(cell.shoe.shoe_class)};
-    if (kind.heel_ratio && group != "pump") continue;
     ++made;
     use({.kind = kind.name,
          .group = group,

@@ -43,7 +43,8 @@ std::optional<Held> held_of(const CurveCase& of) {
                            grid.z_low_mm, grid.rows * grid.row_mm, side->field.points_per_mm2),
       .truth = truth_on_side(*side, of),
       .truth_mm = of.truth_mm,
-      .turn_mm = side->outline.length_mm()};
+      .turn_mm = side->outline.length_mm(),
+      .plain = of.truth_mm > 0 || of.scan.plain_to_see};
 }
 
 double off_mm(const Vec2& a, const Vec2& b, double turn_mm) {

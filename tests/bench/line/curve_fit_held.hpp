@@ -20,10 +20,11 @@ struct Held {
   std::vector<Vec2> truth;  ///< s, z
   double truth_mm{0};
   double turn_mm{0};
+  bool plain{true};  ///< a made shoe's line is plain to see
 
   /// Without labels, yet on its picture (--pictures) the curve is the line: look again when that changes.
   [[nodiscard]] bool right_by_eye() const;
-  [[nodiscard]] bool made() const { return kind != "shape"; }
+  [[nodiscard]] bool made() const { return kind != "shape" && kind != "unlabelled"; }
 };
 
 /// None where the cloud holds no shoe.

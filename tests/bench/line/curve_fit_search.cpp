@@ -60,6 +60,24 @@ std::vector<JudgedRival> judged_rivals(const Held& held, const bite_line::CurveA
   return judged;
 }
 
+std::vector<JudgedPlace> judged_places(const Held& held, const bite_line::CurveAndRivals& found) {
+  constexpr std::size_t k_each = 4;
+  constexpr double k_right_mm = 1, k_wrong_mm = 2;
+  std::vector<JudgedPlace> judged;
+  const auto signs = bite_line::place_signs(found.curve, found.rivals, found.look);
+  for (std::size_t i = 0; i < signs.size(); i += k_each) {
+    const bite_line::CurveState& at = found.curve.states[i];
+    const Vec2 place = held.raster.place(at.row, at.col);
+    if (!signs[i] || held.raster.seen[held.raster.at(at.row, held.raster.round_col(at.col))] == 0) continue;
+    if (!held.right_by_eye() && !known_beside(held, place)) continue;
+    const double off_mm =
+        held.right_by_eye() ? 0 : least_off_mm(place, held.truth, held.turn_mm) - held.truth_mm;
+    if (off_mm < k_right_mm || off_mm > k_wrong_mm)
+      judged.push_back({.signs = *signs[i], .wrong = off_mm > k_wrong_mm});
+  }
+  return judged;
+}
+
 /// Three pictures of the unrolled side: lit from above and from the left; how cheap a curve is in its best
 /// direction; and again the first, where the curve is red, its rivals are blue, the known line is green.
 void draw(const Held& held, const CurveGround& ground, const bite_line::CurveAndRivals& found,
@@ -120,6 +138,7 @@ SearchVerdict searched(const Held& held, const bite_line::CurveWeights& weights,
   const std::optional<bite_line::CurveAndRivals> found = bite_line::best_curve(ground, config, alike);
   const ClosedCurve* const curve = found ? &found->curve : nullptr;
   if (curve && scored) verdict.rivals = judged_rivals(held, *found);
+  if (curve && scored && held.plain) verdict.places = judged_places(held, *found);
   if (curve && !pictures.empty()) draw(held, ground, *found, pictures);
   std::vector<Vec2> places;
   if (curve)

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "host/bite_line/curve/crease_looks.hpp"
+#include "host/bite_line/curve/curve_posterior.hpp"
 #include "host/bite_line/curve/curve_rivals.hpp"
 #include "host/bite_line/curve/curve_search.hpp"
 #include "tests/bench/line/curve_fit_held.hpp"
@@ -20,11 +21,18 @@ struct JudgedRival {
   double log_odds;
 };
 
+/// A place of the curve that is on the known line, or is well off it.
+struct JudgedPlace {
+  bite_line::PlaceSigns signs;
+  bool wrong;
+};
+
 struct SearchVerdict {
   double wrong_mm{0};
   double energy{0};
   double known_energy{0};  ///< of the cheapest curve along the known line, where another one was found
   std::vector<JudgedRival> rivals{};
+  std::vector<JudgedPlace> places{};  ///< every fourth one of a shoe whose line is plain to see
 };
 
 /// The product's search with these weights.  Rivals and the known line's energy only if `scored`; pictures

@@ -49,7 +49,7 @@ TEST_GROUP(LineSweep){};
 
 TEST(LineSweep, TheMaterialHasItsSayAlsoWhileScanning) {
   // A sole that is nearly flush: another crease of its own is about as good as its line.
-  SweepCell cell = sweep_cell(41'001, 20);
+  SweepCell cell = sweep_cell(41'001, 12);
   cell.fault = CloudFault::None;
   cell.crease_ratio = 0.2;
   cell.stripe = true;

@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <numbers>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "host/bite_line/curve/curve_costs.hpp"
@@ -17,18 +19,45 @@
 
 namespace biteline::bite_line::test {
 
+namespace {
+
+std::vector<CurveRival> all_rivals(const CurveGround& ground, const ClosedCurve& curve,
+                                   const RivalConfig& config) {
+  return rivals_of(ground, {}, curve, way_above(ground, {}, curve, config), config);
+}
+
+}  // namespace
+
 TEST_GROUP(CurveRivals){};
 
 TEST(CurveRivals, AnotherCreaseAllRoundIsOneRival) {
   const CurveCosts costs = costs_where([](int row, int) { return row == 30 || row == 50; });
   const ClosedCurve best = best_of(costs);
-  const std::vector<CurveRival> rivals = rivals_of(*ground_of(costs), {}, best, {.per_mm = 0.2});
+  const std::vector<CurveRival> rivals = all_rivals(*ground_of(costs), best, {.per_mm = 0.2});
   LONGS_EQUAL(1, rivals.size());
   LONGS_EQUAL(best.states.size(), rivals.front().count);
   CHECK(leads_all_round(rivals.front(), best));
   DOUBLES_EQUAL(0, rivals.front().excess, 1e-3);
   const double away_mm = rivals.front().places[5].y() - blank_raster().place(best.states[5].row, 0).y();
   DOUBLES_EQUAL(15, std::abs(away_mm), 1e-6);
+}
+
+/// Where a side shows hardly anything else, as behind a high heel, two curves are one.
+TEST(CurveRivals, AWayOverMostOfTheRoundIsAnotherCurve) {
+  const auto is_another = [](int last) {
+    constexpr int k_low = 30, k_up = 10;
+    const CurveCosts costs = costs_where([&](int row, int col) {
+      const int rise = std::clamp(std::min(col - 20, last - col), 0, +k_up);
+      return row == k_low || row == k_low + rise;
+    });
+    const ClosedCurve best = best_of(costs);
+    const std::vector<CurveRival> rivals = all_rivals(*ground_of(costs), best, {.above_per_mm = 0});
+    // The stretch by itself is a rival, too.
+    CHECK(std::ranges::any_of(rivals, [&](const auto& rival) { return rival.count < best.states.size(); }));
+    return std::ranges::any_of(rivals, [&](const auto& rival) { return rival.count == best.states.size(); });
+  };
+  CHECK(is_another(150));
+  CHECK(!is_another(100));
 }
 
 TEST(CurveRivals, AStretchBesideTheCurveTellsWhatItCostsMore) {
@@ -39,7 +68,7 @@ TEST(CurveRivals, AStretchBesideTheCurveTellsWhatItCostsMore) {
     return row == 30 || (rise > 0 && row == 30 + rise);
   });
   const ClosedCurve best = best_of(costs);
-  const std::vector<CurveRival> rivals = rivals_of(*ground_of(costs), {}, best, {.above_per_mm = 1});
+  const std::vector<CurveRival> rivals = all_rivals(*ground_of(costs), best, {.above_per_mm = 1});
   LONGS_EQUAL(1, rivals.size());
   const CurveRival& rival = rivals.front();
   CHECK(!leads_all_round(rival, best));
@@ -65,7 +94,7 @@ TEST(CurveRivals, AStretchTellsWhereItIsFaintest) {
   const auto ground = ground_of(costs);
   const ClosedCurve best = best_of(ground->costs);
   CHECK(leads_over(best, 30 - k_leap, 100));
-  const std::vector<CurveRival> rivals = rivals_of(*ground, {}, best, {.per_mm = 1});
+  const std::vector<CurveRival> rivals = all_rivals(*ground, best, {.per_mm = 1});
   const auto straight = std::ranges::find_if(
       rivals, [](const CurveRival& rival) { return rival.length_mm > 30 && rival.length_mm < 60; });
   CHECK(straight != rivals.end());
@@ -80,7 +109,7 @@ TEST(CurveRivals, OneBehindAnotherIsFoundAsWell) {
     return row == 30 || row == 15 || on_part || on_flank;
   });
   const ClosedCurve best = best_of(costs);
-  const std::vector<CurveRival> rivals = rivals_of(*ground_of(costs), {}, best, {.per_mm = 0.6});
+  const std::vector<CurveRival> rivals = all_rivals(*ground_of(costs), best, {.per_mm = 0.6});
   const auto leads_to = [&](const CurveRival& rival, int row) {
     return std::ranges::any_of(rival.places, [&](const Vec2& at) {
       return std::abs(at.y() - blank_raster().place(row, 0).y()) < 1e-6;
@@ -95,7 +124,7 @@ TEST(CurveRivals, OneBehindAnotherIsFoundAsWell) {
 TEST(CurveRivals, ACurveByItselfHasNone) {
   const CurveCosts costs = costs_where([](int row, int) { return row == 30; });
   const ClosedCurve best = best_of(costs);
-  CHECK(rivals_of(*ground_of(costs), {}, best, {}).empty());
+  CHECK(all_rivals(*ground_of(costs), best, {}).empty());
 }
 
 TEST(CurveRivals, AFaintWayAllRoundAboveIsOneHoweverPlainTheCurveIs) {
@@ -134,6 +163,30 @@ TEST(CurveRivals, AWayAllRoundAboveIsNotForgottenForLookingOtherwiseThanTheCurve
   }));
 }
 
+/// A groove in the sole's side is plainer than the line, which comes down to it at the heel.
+TEST(CurveRivals, TheHigherOfTwoCurvesIsTakenThoughTheyMeet) {
+  constexpr double k_groove_mm = 14, k_line_mm = 24;
+  const auto line_mm = [](double s) {
+    constexpr double k_heel_mm = 330, k_one_mm = 90, k_rise_mm = 50;  // of 618 mm once round
+    const double off = std::clamp((std::abs(s - k_heel_mm) - k_one_mm) / k_rise_mm, 0.0, 1.0);
+    return k_groove_mm + (k_line_mm - k_groove_mm) * 0.5 * (1 - std::cos(std::numbers::pi * off));
+  };
+  const Side side = drum_side([&](double s, double z) {
+    constexpr double k_step_mm = 0.8, k_lean = 0.15, k_deep_mm = 2.5;
+    const double up_mm = z - line_mm(s);
+    return (up_mm < 0 ? 0.0 : -k_step_mm - k_lean * up_mm) -
+           k_deep_mm * std::max(0.0, 1 - std::abs(z - k_groove_mm));
+  });
+  CurveGround ground = curve_ground(side);
+  const auto found = best_curve(ground, {}, [](auto, auto) { return 0.0; });
+  CHECK(found.has_value());
+  for (const CurveState& at : found->curve.states) {
+    const Vec2 place = ground.raster.place(at.row, ground.raster.round_col(at.col));
+    const bool apart = line_mm(place.x()) > k_groove_mm + 5;
+    if (apart) DOUBLES_EQUAL(line_mm(place.x()), place.y(), 2);
+  }
+}
+
 TEST_GROUP(CurvePosterior){};
 
 TEST(CurvePosterior, AnotherWayAsLikelyTakesHalfOfItsStretchAlone) {
@@ -145,7 +198,7 @@ TEST(CurvePosterior, AnotherWayAsLikelyTakesHalfOfItsStretchAlone) {
   rival.excess = -k_config.unseen / k_config.unseen_more / more_per_mm(rival);
   for (std::size_t i = rival.first; i < rival.first + rival.count; ++i)
     rival.places.push_back(raster.place(best.states[i].row + 20, best.states[i].col));
-  const std::vector<CurveStation> stations = curve_posterior(raster, best, {&rival, 1}, 2.25, k_config);
+  const std::vector<CurveStation> stations = curve_posterior(raster, best, {&rival, 1}, {}, 2.25, k_config);
   DOUBLES_EQUAL(0.5, stations[40].hold, 1e-6);
   LONGS_EQUAL(1, stations[40].alternatives.size());
   DOUBLES_EQUAL(15, stations[40].alternatives.front().off_mm, 1e-3);
@@ -162,7 +215,7 @@ TEST(CurvePosterior, AWayAllRoundTakesNothingWhereItRunsOnTheCurve) {
   for (std::size_t i = 0; i < best.states.size(); ++i)
     rival.places.push_back(raster.place(best.states[i].row + (i < half ? 20 : 0), best.states[i].col));
   const std::vector<CurveStation> stations =
-      curve_posterior(raster, best, std::span{&rival, 1}, RivalConfig{}.same_mm, k_config);
+      curve_posterior(raster, best, std::span{&rival, 1}, {}, RivalConfig{}.same_mm, k_config);
   DOUBLES_EQUAL(0.5, stations[half / 2].hold, 1e-6);
   DOUBLES_EQUAL(1, stations[half + half / 2].hold, 1e-6);
 }
@@ -170,11 +223,11 @@ TEST(CurvePosterior, AWayAllRoundTakesNothingWhereItRunsOnTheCurve) {
 TEST(CurvePosterior, WaysThatLieTogetherCountOnce) {
   const CurveCosts costs = costs_where([](int row, int) { return row == 30 || row == 50; });
   const ClosedCurve best = best_of(costs);
-  std::vector<CurveRival> rivals = rivals_of(*ground_of(costs), {}, best, {});
+  std::vector<CurveRival> rivals = all_rivals(*ground_of(costs), best, {});
   LONGS_EQUAL(1, rivals.size());
   rivals.front().seen = false;
   rivals.push_back(rivals.front());
-  DOUBLES_EQUAL(0.5, curve_posterior(blank_raster(), best, rivals, 2.25, {.unseen = 0})[10].hold, 0.01);
+  DOUBLES_EQUAL(0.5, curve_posterior(blank_raster(), best, rivals, {}, 2.25, {.unseen = 0})[10].hold, 0.01);
 }
 
 TEST(CurvePosterior, OfTwoAllRoundTheUpperOneIsTheLineWhereItLiesBetweenTwoSurfaces) {
@@ -213,8 +266,8 @@ TEST(CurvePosterior, AStretchIsDoubtedForHowFaintItIsAsAWholeAndWhereItIsFaintes
 TEST(CurvePosterior, OneFlankOfAGuardIsNoRivalOfTheOther) {
   const CurveCosts costs = costs_where(on_gate);
   const ClosedCurve curve = best_of(costs);
-  const std::vector<CurveRival> rivals = rivals_of(*ground_of(costs), {}, curve, {});
-  for (const CurveStation& station : curve_posterior(blank_raster(), curve, rivals, 2.25, {}))
+  const std::vector<CurveRival> rivals = all_rivals(*ground_of(costs), curve, {});
+  for (const CurveStation& station : curve_posterior(blank_raster(), curve, rivals, {}, 2.25, {}))
     CHECK(station.hold > 0.9);
 }
 
