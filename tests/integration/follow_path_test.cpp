@@ -293,6 +293,76 @@ ORDINARY_TIMED_TEST(FollowPath, FlowGoesAlongAndEndsWithThePathAndWithAStop) {
   wait_for([&] { return !seen.gun && seen.ratio == 0; });
 }
 
+/// What a path presses on: 0.3 mm before the planned tip, 20 N/mm.  On the controller's thread.
+class ElasticUpper {
+ public:
+  static constexpr double k_newton_mm = 20, k_before_mm = 0.3;
+
+  explicit ElasticUpper(const path::PlannedPath& path) {
+    for (const path::Waypoint& waypoint : path.waypoints)
+      if (waypoint.segment == path::Segment::Line) line_.push_back(waypoint);
+  }
+
+  std::atomic<bool> ends_halfway{false};
+  std::atomic<int> cycles{0}, right{0};  ///< on the middle of the line, and within 15 % of the set force
+
+  [[nodiscard]] Vec3 newton(const SE3& T_base_tcp, double set_newton) {
+    const Vec3 tip = T_base_tcp.translation();
+    const auto off_mm = [&](const path::Waypoint& w) { return (w.T_base_tcp.translation() - tip).norm(); };
+    const auto at = std::ranges::min_element(line_, {}, off_mm);
+    const double done = static_cast<double>(at - line_.begin()) / static_cast<double>(line_.size());
+    constexpr double k_near_mm = 10;
+    if (off_mm(*at) > k_near_mm || (ends_halfway && done > 0.5)) return Vec3::Zero();
+    const double pressed_mm = (tip - at->T_base_tcp.translation()).dot(at->press_base) + k_before_mm;
+    const double newton = k_newton_mm * std::max(0.0, pressed_mm);
+    if (done > 0.15 && done < 0.85) {
+      ++cycles;
+      if (std::abs(newton - set_newton) < 0.15 * set_newton) ++right;
+    }
+    return -newton * at->press_base;
+  }
+
+ private:
+  std::vector<path::Waypoint> line_;
+};
+
+/// The force is kept on a surface that is there, and a surface that ends is a named stop with the tool off.
+ORDINARY_TIMED_TEST(FollowPath, PressesOverTheNetworkAndNamesALostContact) {
+  path::PlanRequest request = test::plan_request("rough.yaml");
+  request.process.force = path::Force{.set_newton = 15};
+  request.process.only = {{.from_mm = 20, .to_mm = 260}};
+  const path::PlanOutcome outcome = path::plan(request);
+  CHECK_TEXT(outcome.path.has_value(), outcome.reason().c_str());
+  ElasticUpper upper{outcome.path->path()};
+  sim::Arm arm{kinematics, T_base_flange_home(kinematics)};
+  sim::UrController::Config config;
+  config.touch = [&](const SE3& T_base_tcp, double) { return upper.newton(T_base_tcp, 15); };
+  const auto controller = sim::UrController::open(config, arm, {});
+  CHECK(controller.has_value());
+  const sim::UrController::Ports ports = (*controller)->ports();
+  const auto link = ur::UrLink::open({.host = "127.0.0.1",
+                                      .rtde_port = ports.rtde,
+                                      .script_port = ports.primary,
+                                      .dashboard_port = ports.dashboard,
+                                      .rate_hz = 0,
+                                      .connect_patience_s = 20,
+                                      .ask_force = true});
+  CHECK_TEXT(link.has_value(), link ? "" : to_line(link.error()).c_str());
+  FollowReport pressed;
+  const auto done = follow(**link, test::permitted(*outcome.path, (*link)->latest()->q_rad), {}, pressed);
+  CHECK_TEXT(done.has_value(), done ? "" : to_line(done.error()).c_str());
+  CHECK(upper.cycles > 100);
+  CHECK(upper.right > 0.8 * upper.cycles);
+
+  upper.ends_halfway = true;
+  FollowReport lost;
+  const auto stopped = follow(**link, test::permitted(*outcome.path, (*link)->latest()->q_rad), {}, lost);
+  CHECK(!stopped.has_value());
+  CHECK(lost.halt.has_value());
+  CHECK_TEXT(lost.halt->code == Halt::ContactLost, lost.halt->reason.c_str());
+  LONGS_EQUAL(0, arm.at(hal::monotonic_now()).outputs);
+}
+
 /// An arm as it leaves the factory: its controller's rows are those by which it moves, and a path planned
 /// with them is met.
 TEST(FollowPath, ArmsOwnKinematicsComeFromItsController) {
