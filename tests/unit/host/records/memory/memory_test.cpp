@@ -323,7 +323,8 @@ TEST(Memory, ShoesOfBeforeTheOutboxAreInItOnce) {
         "'outbox'; DROP INDEX scans_part; ALTER TABLE scans DROP COLUMN part; ALTER TABLE "
         "scans DROP COLUMN foot; ALTER TABLE scans DROP COLUMN size; ALTER TABLE scans DROP COLUMN "
         "tip_bound_mm; DROP TABLE teaching_scans; DROP TABLE teaching_deeds; DROP TABLE teachings; DROP "
-        "INDEX scans_held; ALTER TABLE log DROP COLUMN link; ALTER TABLE scans DROP COLUMN work; ALTER TABLE scans DROP COLUMN work_reworked; "
+        "INDEX scans_held; ALTER TABLE log DROP COLUMN link; ALTER TABLE scans DROP COLUMN work; ALTER TABLE "
+        "scans DROP COLUMN work_reworked; "
         "ALTER TABLE scans DROP COLUMN work_missing_mm; ALTER TABLE scans DROP COLUMN work_narrow; ALTER "
         "TABLE scans DROP COLUMN work_wide; ALTER TABLE scans DROP COLUMN work_beside; ALTER TABLE scans "
         "DROP COLUMN work_doubled; PRAGMA user_version = 1"));

@@ -229,7 +229,8 @@ TEST(Teachings, AMemoryOfBeforeThemIsRaisedAndKeepsWhatItHas) {
     auto database = Database::open(file, Database::Access::ReadWrite);
     SUCCEEDS(database->execute(
         "DROP TABLE teaching_scans; DROP TABLE teaching_deeds; DROP TABLE teachings; "
-        "DROP INDEX scans_held; ALTER TABLE scans DROP COLUMN tip_bound_mm; ALTER TABLE log DROP COLUMN link; PRAGMA "
+        "DROP INDEX scans_held; ALTER TABLE scans DROP COLUMN tip_bound_mm; ALTER TABLE log DROP COLUMN "
+        "link; PRAGMA "
         "user_version = 5; ALTER TABLE scans DROP COLUMN work; ALTER TABLE scans DROP COLUMN work_reworked; "
         "ALTER TABLE scans DROP COLUMN work_missing_mm; ALTER TABLE scans DROP COLUMN work_narrow; ALTER "
         "TABLE scans DROP COLUMN work_wide; ALTER TABLE scans DROP COLUMN work_beside; ALTER TABLE scans "
