@@ -453,7 +453,8 @@ std::string UrController::dashboard_answer(const std::string& line, Client& clie
        .remote = says_remote(),
        .takes_programs = !is_local(),
        .protective_stop = protective_stop_,
-       .just_stopped = now < stopped_since_ + config_.unlocks_after,
+       // One that no cycle has seen yet is as new as can be.
+       .just_stopped = !was_stopped_ || now < stopped_since_ + config_.unlocks_after,
        .program = state.paused            ? ProgramState::Paused
                   : state.program_running ? ProgramState::Playing
                                           : ProgramState::Stopped,
