@@ -281,7 +281,7 @@ Start read_start(YamlReader& reader) {
 }
 
 AfterWork read_after_work(YamlReader& reader) {
-  const std::string word = reader.choice_or_first("after_work", {"none", "look", "rework"});
+  const std::string word = reader.choice_or_first("after_work", {"nothing", "look", "rework"});
   if (word == "look") return AfterWork::Look;
   return word == "rework" ? AfterWork::Rework : AfterWork::None;
 }
