@@ -9,6 +9,7 @@
 
 #include "host/records/memory/memory.hpp"
 #include "tests/integration/robot/person.hpp"
+#include "tests/support/timed_test.hpp"
 
 namespace biteline {
 namespace {
@@ -107,7 +108,7 @@ struct WorkedCell : Utest {
 
 TEST_GROUP_BASE(ServiceWork, WorkedCell){};
 
-TEST(ServiceWork, AGapIsFoundAndWorkedOnceMore) {
+ORDINARY_TIMED_TEST(ServiceWork, AGapIsFoundAndWorkedOnceMore) {
   begin_cell({std::to_string(k_gap_mm), "1"});
   ChildProcess host = start({"--once"});
   const auto [status, said] = end_of(host);
@@ -136,7 +137,7 @@ TEST(ServiceWork, AGapIsFoundAndWorkedOnceMore) {
   CHECK_COMPARE(twice_mm, <, overlap_mm + 2 * (1 + 0.5 + 0.5));
 }
 
-TEST(ServiceWork, AShoeThatWasMovedIsNotWorkedAgain) {
+ORDINARY_TIMED_TEST(ServiceWork, AShoeThatWasMovedIsNotWorkedAgain) {
   begin_cell({std::to_string(k_gap_mm), "1", "moved"});
   ChildProcess host = start({"--once"});
   const auto [status, said] = end_of(host);
@@ -150,7 +151,7 @@ TEST(ServiceWork, AShoeThatWasMovedIsNotWorkedAgain) {
 }
 
 /// Nobody knows which shoe stands there: the arm rests until a person has looked.
-TEST(ServiceWork, AServiceThatDiedBeforeTheLookWorksNothingAgain) {
+ORDINARY_TIMED_TEST(ServiceWork, AServiceThatDiedBeforeTheLookWorksNothingAgain) {
   begin_cell({std::to_string(k_gap_mm), "1"});
   {
     ChildProcess host = start({});
@@ -170,7 +171,7 @@ TEST(ServiceWork, AServiceThatDiedBeforeTheLookWorksNothingAgain) {
   STRCMP_EQUAL("work_not_looked_at", kept.reason_code.c_str());
 }
 
-TEST(ServiceWork, ReworkThatTheGateRefusesWaitsForAPerson) {
+ORDINARY_TIMED_TEST(ServiceWork, ReworkThatTheGateRefusesWaitsForAPerson) {
   begin_cell({std::to_string(k_gap_mm), "1"});
   ChildProcess host = start({"--control", "tcp://127.0.0.1:0"}, "  approval: person\n");
   Page page{address_told(host)};
@@ -191,7 +192,7 @@ TEST(ServiceWork, ReworkThatTheGateRefusesWaitsForAPerson) {
   page.scan_once("scan-0002", [](const control::Json& one) { return one.contains("verdict"); });
 }
 
-TEST(ServiceWork, AStopDuringTheLookWorksNothingAgain) {
+ORDINARY_TIMED_TEST(ServiceWork, AStopDuringTheLookWorksNothingAgain) {
   begin_cell({std::to_string(k_gap_mm), "1"});
   ChildProcess host = start({"--control", "tcp://127.0.0.1:0"});
   Page page{address_told(host)};
@@ -213,7 +214,7 @@ TEST(ServiceWork, AStopDuringTheLookWorksNothingAgain) {
 
 TEST_GROUP_BASE(ServiceWorkLong, WorkedCell){};
 
-TEST(ServiceWorkLong, WhatIsStillMissingAfterTheReworkIsAPersons) {
+ORDINARY_TIMED_TEST(ServiceWorkLong, WhatIsStillMissingAfterTheReworkIsAPersons) {
   begin_cell({std::to_string(k_gap_mm), "2"});
   ChildProcess host = start({"--once"});
   const auto [status, said] = end_of(host);
