@@ -15,11 +15,10 @@
 #include <vector>
 
 #include "hal/sim/glue/film.hpp"
-#include "hal/sim/live/reachable_scan.hpp"
-#include "hal/sim/record/surroundings.hpp"
 #include "host/robot/link/ur/flow_script.hpp"
 #include "host/robot/link/ur/script.hpp"
 #include "host/robot/path/plan.hpp"
+#include "tests/bench/robot/shoe_in_reach.hpp"
 
 namespace biteline::bench {
 namespace {
@@ -30,10 +29,8 @@ constexpr double k_bin_mm = 1, k_step_s = 0.002;
 constexpr double k_width_mm = 0.2, k_ends_mm = 1;
 constexpr double k_delay_sigma_s = 0.0015, k_lag_sigma_ratio = 0.05;
 
-struct Shoe {
-  std::unique_ptr<sim::MadeScene> scene;
+struct Shoe : ShoeInReach {
   cloud::ClosedLine line;
-  kinematics::Joints from_rad;
 };
 
 cloud::ClosedLine true_line(const sim::MadeScene& scene) {
@@ -57,25 +54,9 @@ cloud::ClosedLine true_line(const sim::MadeScene& scene) {
 }
 
 Result<Shoe> make_shoe(std::uint64_t seed, const sim::ArmKinematics& arm) {
-  constexpr std::array k_classes{sim::ShoeClass::Deep, sim::ShoeClass::Cupsole, sim::ShoeClass::Midsole,
-                                 sim::ShoeClass::Boot, sim::ShoeClass::Welted,  sim::ShoeClass::Vulcanised};
-  const int size = 38 + static_cast<int>(seed % 8);
-  Shoe shoe;
-  BITELINE_ASSIGN(
-      shoe.scene,
-      sim::make_scene(
-          {.shoe = sim::draw_shoe(k_classes[seed % k_classes.size()], seed, sim::length_of_size_mm(size)),
-           .place_seed = seed,
-           .places = sim::places_within_reach_of(k_arm),
-           .holder = sim::Holder::Bracket,
-           .scan_speed_mm_s = 400,
-           .scan_begin_ratio = 0.25,
-           .scan_clockwise = true,
-           .fineness = {.column_mm = 2, .fine_row_mm = 1, .fine_band_mm = 4, .coarse_row_mm = 2}}));
-  BITELINE_ASSIGN(const sim::ReachableScan reachable, sim::place_within_reach(*shoe.scene, arm, k_arm));
-  shoe.from_rad = reachable.scan->q_rad_at(reachable.scan->duration_s());
-  shoe.line = true_line(*shoe.scene);
-  return shoe;
+  BITELINE_ASSIGN(ShoeInReach placed, shoe_in_reach(seed, arm, k_arm));
+  cloud::ClosedLine line = true_line(*placed.scene);
+  return Shoe{std::move(placed), std::move(line)};
 }
 
 path::Process with_slow_zones(path::Process process) {

@@ -16,14 +16,13 @@
 #include <vector>
 
 #include "hal/sim/contact/contact_world.hpp"
-#include "hal/sim/live/reachable_scan.hpp"
-#include "hal/sim/record/surroundings.hpp"
 #include "hal/sim/robot/press_run.hpp"
 #include "host/robot/link/ur/force_script.hpp"
 #include "host/robot/link/ur/script.hpp"
 #include "host/robot/path/first_run.hpp"
 #include "host/robot/path/force.hpp"
 #include "host/robot/path/force_learning.hpp"
+#include "tests/bench/robot/shoe_in_reach.hpp"
 
 namespace biteline::bench {
 namespace {
@@ -36,10 +35,7 @@ constexpr double k_band_ratio = 0.15, k_least_alone = 0.80, k_least_learned = 0.
 /// Less than a pass takes off.
 constexpr double k_removed_mm = 0.02;
 
-struct Model {
-  std::unique_ptr<sim::MadeScene> scene;
-  kinematics::Joints from_rad;
-};
+using Model = ShoeInReach;
 
 struct Shoe {
   SE3 T_base_shoe;
@@ -47,27 +43,6 @@ struct Shoe {
   sim::UpperStrip strip;
   sim::ForceFacts sensor;
 };
-
-Result<Model> make_model(std::uint64_t seed, const sim::ArmKinematics& arm) {
-  constexpr std::array k_classes{sim::ShoeClass::Deep, sim::ShoeClass::Cupsole, sim::ShoeClass::Midsole,
-                                 sim::ShoeClass::Boot, sim::ShoeClass::Welted,  sim::ShoeClass::Vulcanised};
-  const int size = 38 + static_cast<int>(seed % 8);
-  Model model;
-  BITELINE_ASSIGN(
-      model.scene,
-      sim::make_scene(
-          {.shoe = sim::draw_shoe(k_classes[seed % k_classes.size()], seed, sim::length_of_size_mm(size)),
-           .place_seed = seed,
-           .places = sim::places_within_reach_of(k_arm),
-           .holder = sim::Holder::Bracket,
-           .scan_speed_mm_s = 400,
-           .scan_begin_ratio = 0.25,
-           .scan_clockwise = true,
-           .fineness = {.column_mm = 2, .fine_row_mm = 1, .fine_band_mm = 4, .coarse_row_mm = 2}}));
-  BITELINE_ASSIGN(const sim::ReachableScan reachable, sim::place_within_reach(*model.scene, arm, k_arm));
-  model.from_rad = reachable.scan->q_rad_at(reachable.scan->duration_s());
-  return model;
-}
 
 /// Waves round the line of one standard deviation, mm.
 struct LineError {
@@ -336,7 +311,7 @@ int run(int count, std::uint64_t seed) {
   std::array<Sums, jobs.size()> sums;
   for (int done = 0; done < count; done += k_shoes_each) {
     const std::uint64_t of_model = seed + static_cast<std::uint64_t>(done / k_shoes_each);
-    const Result<Model> model = make_model(of_model, *arm);
+    const Result<Model> model = shoe_in_reach(of_model, *arm, k_arm);
     if (!model) {
       std::fprintf(stderr, "bench_force: model %d: %s\n", done, to_line(model.error()).c_str());
       continue;
