@@ -7,6 +7,7 @@
 #include "common/core/fixed_text.hpp"
 #include "host/records/report/report.hpp"
 #include "host/robot/link/path_watch.hpp"
+#include "host/robot/link/ur/force_script.hpp"
 
 namespace biteline::robot {
 namespace {
@@ -249,8 +250,10 @@ void fill(FollowReport& report, const std::vector<RobotState>& states, const pat
     // As the watch: an instant that was heard already, or an older one, is passed over.
     if (last && state.sampled <= *last) continue;
     last = state.sampled;
-    report.track.push_back(
-        {.time_s = seconds(state.sampled - states.front().sampled), .T_base_tcp = state.T_base_tcp});
+    report.track.push_back({.time_s = seconds(state.sampled - states.front().sampled),
+                            .T_base_tcp = state.T_base_tcp,
+                            .force_base_newton = state.force_base_newton,
+                            .presses = state.force_word == static_cast<int>(ur::ForceWord::Presses)});
   }
   report.deviation = path::deviation(path.path(), report.track);
 }
@@ -318,13 +321,19 @@ Result<void> follow(RobotLink& link, const PermittedPath& permitted, const Follo
 }
 
 Result<void> write_track(const std::filesystem::path& file, const std::vector<path::TrackSample>& track) {
-  std::string text = "#time [s],p_x [mm],p_y [mm],p_z [mm],q_w [],q_x [],q_y [],q_z []\n";
+  std::string text =
+      "#time [s],p_x [mm],p_y [mm],p_z [mm],q_w [],q_x [],q_y [],q_z [],f_x [N],f_y [N],f_z [N]\n";
   for (const path::TrackSample& sample : track) {
     const Vec3 p = sample.T_base_tcp.translation();
     const Eigen::Quaterniond q{sample.T_base_tcp.linear()};
-    text += FixedText<200>::format("%.4f,%.5f,%.5f,%.5f,%.9f,%.9f,%.9f,%.9f\n", sample.time_s, p.x(), p.y(),
+    text += FixedText<200>::format("%.4f,%.5f,%.5f,%.5f,%.9f,%.9f,%.9f,%.9f,", sample.time_s, p.x(), p.y(),
                                    p.z(), q.w(), q.x(), q.y(), q.z())
                 .view();
+    if (const auto& f = sample.force_base_newton)
+      text += FixedText<100>::format("%.3f,%.3f,%.3f", f->x(), f->y(), f->z()).view();
+    else
+      text += ",,";
+    text += "\n";
   }
   return report::write_file_atomically(file, text);
 }

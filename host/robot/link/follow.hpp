@@ -58,7 +58,7 @@ struct StillOptions {
 [[nodiscard]] Result<void> follow(RobotLink& link, const PermittedPath& permitted,
                                   const FollowOptions& options, FollowReport& report);
 
-/// One row per sample: time, T_base_tcp.
+/// One row per sample: time, T_base_tcp, the force on the tool in base axes (empty: not told).
 [[nodiscard]] Result<void> write_track(const std::filesystem::path& file,
                                        const std::vector<path::TrackSample>& track);
 

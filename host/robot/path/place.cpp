@@ -6,6 +6,11 @@
 namespace biteline::path {
 namespace {
 
+// How far ahead of the last place, and back, the next one is looked for: a sample at 125 Hz and 1 m/s is 8 mm
+// on.
+constexpr double k_ahead_mm = 25;
+constexpr double k_back_mm = 2;
+
 double between(double a, double b, double fraction) {
   return a + fraction * (b - a);
 }
@@ -40,6 +45,19 @@ double arc_at(const PlannedPath& path, const PathPlace& place) {
 double time_at(const PlannedPath& path, const PathPlace& place) {
   return between(path.waypoints[place.segment].time_s, path.waypoints[place.segment + 1].time_s,
                  place.fraction);
+}
+
+std::optional<PathPlace> AlongPath::next(const Vec3& tip) {
+  if (here_mm_ < 0) {
+    // States may be missing just there.
+    if (nearest_place(path_, tip, {.from_mm = 0, .to_mm = k_ahead_mm}).distance_mm > k_passed_mm)
+      return std::nullopt;
+    here_mm_ = 0;
+  }
+  const PathPlace place =
+      nearest_place(path_, tip, {.from_mm = here_mm_ - k_back_mm, .to_mm = here_mm_ + k_ahead_mm});
+  here_mm_ = std::max(here_mm_, arc_at(path_, place));
+  return place;
 }
 
 }  // namespace biteline::path

@@ -2,6 +2,8 @@
 #pragma once
 /// \file Where along a path a tip is.
 
+#include <optional>
+
 #include "host/robot/path/checks/checked_path.hpp"
 
 namespace biteline::path {
@@ -27,5 +29,23 @@ struct Stretch {
 [[nodiscard]] double arc_at(const PlannedPath& path, const PathPlace& place);
 /// Planned, from the path's beginning.
 [[nodiscard]] double time_at(const PlannedPath& path, const PathPlace& place);
+
+/// So near to a waypoint the tip has been there.
+inline constexpr double k_passed_mm = 0.5;
+
+/// Goes along a path with its tip, sample by sample: at the seam the overlap is not taken for the beginning.
+/// The path outlives it.
+class AlongPath {
+ public:
+  explicit AlongPath(const PlannedPath& path) : path_{path} {}
+  /// Nothing before the path's beginning: the way there is the arm's own.
+  [[nodiscard]] std::optional<PathPlace> next(const Vec3& tip);
+  /// As far as the tip has come.
+  [[nodiscard]] double here_mm() const { return here_mm_; }
+
+ private:
+  const PlannedPath& path_;
+  double here_mm_{-1};
+};
 
 }  // namespace biteline::path

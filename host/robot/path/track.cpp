@@ -12,11 +12,6 @@
 namespace biteline::path {
 namespace {
 
-// How far ahead of the last place, and back, the next one is looked for: a sample at 125 Hz and 1 m/s is 8 mm
-// on.
-constexpr double k_ahead_mm = 25;
-constexpr double k_back_mm = 2;
-constexpr double k_passed_mm = 0.5;
 // States that a busy network or host lost: in so short a time no tip leaves the path and comes back to it.
 constexpr double k_unseen_s = 0.1;
 
@@ -126,26 +121,21 @@ class Parts {
 TrackDeviation deviation(const PlannedPath& path, std::span<const TrackSample> track) {
   TrackDeviation out;
   const double end_mm = path.waypoints.back().arc_mm;
-  double here_mm = -1;
+  AlongPath along{path};
   double sum_mm = 0, sum_mm2 = 0, line_sum_mm = 0;
   std::vector<double> from_path_mm, from_line_mm;
   Passed passed{path};
   Parts parts{end_mm - k_passed_mm};
   for (const TrackSample& sample : track) {
     const Vec3 tip = sample.T_base_tcp.translation();
-    if (here_mm < 0) {
-      parts.way_there(sample.time_s);
-      // The way to the first waypoint is the arm's own.  States may be missing just there.
-      if (nearest_place(path, tip, {.from_mm = 0, .to_mm = k_ahead_mm}).distance_mm > k_passed_mm) continue;
-      here_mm = 0;
-    }
-    const PathPlace place =
-        nearest_place(path, tip, {.from_mm = here_mm - k_back_mm, .to_mm = here_mm + k_ahead_mm});
-    here_mm = std::max(here_mm, arc_at(path, place));
+    if (along.here_mm() < 0) parts.way_there(sample.time_s);
+    const std::optional<PathPlace> found = along.next(tip);
+    if (!found) continue;
+    const PathPlace& place = *found;
     passed.add(place, sample);
     const bool on_line = path.waypoints[place.segment].segment == Segment::Line &&
                          path.waypoints[place.segment + 1].segment == Segment::Line;
-    parts.on_path(sample.time_s, here_mm, on_line);
+    parts.on_path(sample.time_s, along.here_mm(), on_line);
     if (!on_line) continue;
     const SE3 T_planned = pose_at(path, place);
     ++out.samples;
@@ -176,7 +166,7 @@ TrackDeviation deviation(const PlannedPath& path, std::span<const TrackSample> t
   }
   out.covered = passed.share();
   out.parts = parts.times();
-  out.completed = here_mm >= end_mm - k_passed_mm;
+  out.completed = along.here_mm() >= end_mm - k_passed_mm;
   return out;
 }
 

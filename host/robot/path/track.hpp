@@ -2,6 +2,7 @@
 #pragma once
 /// \file How well an arm followed: its recorded track against the path and against the line.
 
+#include <optional>
 #include <span>
 
 #include "host/robot/path/checks/checked_path.hpp"
@@ -11,6 +12,8 @@ namespace biteline::path {
 struct TrackSample {
   double time_s{0};
   SE3 T_base_tcp;
+  std::optional<Vec3> force_base_newton{};  ///< on the tool at its tip, by the arm's own sensor
+  bool presses{false};                      ///< the program says that the tool touches
 };
 
 /// How long each part of a whole run took, from the track's first sample on.
