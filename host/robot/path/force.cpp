@@ -64,9 +64,10 @@ void set_forces(PlannedPath& path, std::span<const ToolPoint> points, const Proc
       const double ramp = std::clamp(from_end_mm / force.ramp_mm, 0.0, 1.0);
       const Vec3 error_tcp = at_place(std::span<const Vec3>{learned.error_tcp}, w[i].round_ratio) - zero_tcp;
       const Vec3 press_tcp = w[i].T_base_tcp.linear().transpose() * w[i].press_base;
-      const double full = force.set_newton +
-                          at_place(std::span<const double>{learned.ahead_newton}, w[i].round_ratio) -
-                          error_tcp.dot(press_tcp);
+      const double taught = force.set_newton +
+                            at_place(std::span<const double>{learned.ahead_newton}, w[i].round_ratio) -
+                            error_tcp.dot(press_tcp);
+      const double full = std::clamp(taught, force.contact_newton, force.most_newton / k_force_room_ratio);
       w[i].force_newton = force.contact_newton + ramp * (full - force.contact_newton);
     }
   }

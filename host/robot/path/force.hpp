@@ -16,9 +16,13 @@ namespace biteline::path {
 [[nodiscard]] double at_place(std::span<const double> by_place, double round_ratio);
 [[nodiscard]] Vec3 at_place(std::span<const Vec3> by_place, double round_ratio);
 
+/// What the sensor's noise and a bump leave of the room below the largest force.
+inline constexpr double k_force_room_ratio = 1.1;
+
 /// Directions and forces of the waypoints: on each run from the touch over `ramp_mm` to the set force and
 /// back.  With what was learned the force is the one that the sensor tells when the set one presses: the
-/// sensor is zeroed at each run's beginning.  Nothing for a process without a force.  Pre: as many points as
+/// sensor is zeroed at each run's beginning; never above what leaves room to the process's largest, nor below
+/// its contact.  Nothing for a process without a force.  Pre: as many points as
 /// waypoints.
 void set_forces(PlannedPath& path, std::span<const ToolPoint> points, const Process& process);
 

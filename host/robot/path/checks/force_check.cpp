@@ -6,14 +6,15 @@
 #include <cmath>
 
 #include "host/robot/path/checks/program_check.hpp"
+#include "host/robot/path/force.hpp"
 
 namespace biteline::path {
 namespace {
 
 /// A tool that presses along its way pushes the arm on, or back: the sine of 17 degrees.
 constexpr double k_most_along = 0.3;
-/// What the sensor's noise and a bump leave of the room below the largest force.
-constexpr double k_room_ratio = 1.1;
+/// Of rounding: a force that was held to its limit keeps it.
+constexpr double k_rounding_ratio = 1e-9;
 
 /// A figure that is no number fails.
 struct WorstOfForce {
@@ -63,8 +64,9 @@ Check force_size_check(const PlannedPath& path) {
   WorstOfForce worst;
   for (const Waypoint& w : path.waypoints) {
     if (w.segment != Segment::Line) continue;
-    worst.larger(k_room_ratio * w.force_newton, w.arc_mm);
-    if (!(w.force_newton >= force.contact_newton)) worst.larger(2 * force.most_newton, w.arc_mm);
+    worst.larger(k_force_room_ratio * (1 - k_rounding_ratio) * w.force_newton, w.arc_mm);
+    if (!(w.force_newton >= force.contact_newton * (1 - k_rounding_ratio)))
+      worst.larger(2 * force.most_newton, w.arc_mm);
   }
   return force_check_of("force", worst, force.most_newton, "N", "the force leaves no room to its limits");
 }
