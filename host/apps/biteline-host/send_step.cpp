@@ -144,7 +144,20 @@ Result<ExitStatus> say_refused(const fs::path& folder, const robot::GateInputs& 
   return ExitStatus::Refused;
 }
 
-Result<void> write_followed(const fs::path& folder, const robot::FollowReport& followed, bool dead_man) {
+nlohmann::ordered_json as_json(const path::ForceTold& told, double set_newton) {
+  return {{"set_n", set_newton},
+          {"within", told.within},
+          {"band_percent", 100 * path::k_force_band_ratio},
+          {"mean_n", told.mean_newton},
+          {"rms_off_n", told.rms_off_newton},
+          {"least_n", told.least_newton},
+          {"largest_n", told.largest_newton},
+          {"along_mm", told.along_mm},
+          {"samples", told.samples}};
+}
+
+Result<void> write_followed(const fs::path& folder, const robot::FollowReport& followed, bool dead_man,
+                            const path::Process& process, const std::optional<path::ForceTold>& force) {
   const path::TrackDeviation& deviation = followed.deviation;
   nlohmann::ordered_json json{
       {"completed", deviation.completed},
@@ -171,6 +184,7 @@ Result<void> write_followed(const fs::path& folder, const robot::FollowReport& f
       {"stops_sent", followed.ending.stops},
       {"oldest_state_s", followed.oldest_s},
       {"dead_man", dead_man}};
+  if (force) json["force"] = as_json(*force, process.force->set_newton);
   if (followed.halt) {
     const report::ToldRefusal told = report::told(*followed.halt);
     json["stopped"] = {{"reason_code", told.reason_code},
@@ -242,7 +256,8 @@ bool needs_a_person(const path::GateLimits& limits, double confidence) {
 }
 
 Result<ExitStatus> follow_path(const fs::path& folder, const PlanStep& plan, const SendRequest& request,
-                               std::function<Result<void>()> meanwhile) {
+                               std::function<Result<void>()> meanwhile,
+                               const std::function<void(const path::ForceTold&)>& pressed) {
   robot::GateInputs inputs = gate_inputs(plan, request);
   inputs.scan.sent_before = was_sent(folder);
   inputs.scan.stopped = request.mark.stopped();
@@ -289,7 +304,10 @@ Result<ExitStatus> follow_path(const fs::path& folder, const PlanStep& plan, con
   if (const Result<void> written = beside.get(); !written) complain(written.error());
   if (!followed.sent && request.mark.stopped()) return stopped();
   // As far as it went, also when it was stopped.
-  BITELINE_TRY(write_followed(folder, followed, link->has_dead_man()));
+  const path::Process& process = plan.request.process;
+  const std::optional<path::ForceTold> force = path::force_told(
+      plan.outcome.path->path(), followed.track, process.force_learned.value_or(path::ForceLearned{}));
+  BITELINE_TRY(write_followed(folder, followed, link->has_dead_man(), process, force));
   if (!link->has_dead_man())
     say_step("the arm's program had no dead man: nothing ends it when this machine or the cable fails");
   BITELINE_TRY(results::write_tracking(folder / "path", plan.request, plan.outcome, followed.track));
@@ -301,6 +319,13 @@ Result<ExitStatus> follow_path(const fs::path& folder, const PlanStep& plan, con
       "covered",
       followed.duration_s, followed.deviation.line_mean_mm, followed.deviation.line_max_mm,
       100 * followed.deviation.covered);
+  if (force) {
+    say_step(
+        "the tool pressed with %.1f N on average, %.1f N at most; %.1f %% of it within %.0f %% of %.1f N",
+        force->mean_newton, force->largest_newton, 100 * force->within, 100 * path::k_force_band_ratio,
+        process.force->set_newton);
+    if (pressed) pressed(*force);
+  }
   return ExitStatus::Done;
 }
 

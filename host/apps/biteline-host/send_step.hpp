@@ -16,6 +16,7 @@
 #include "host/robot/link/gate/gate.hpp"
 #include "host/robot/link/ur/clamp_watch.hpp"
 #include "host/robot/link/ur/pendant_watch.hpp"
+#include "host/robot/path/force_told.hpp"
 #include "host/transfer/moved.hpp"
 
 namespace biteline::service {
@@ -54,10 +55,12 @@ struct SendRequest {
 /// path/tracking.html.  The arm is stopped when it leaves the process's limits and when somebody says stop; a
 /// stop before the sending is the gate's no.
 /// `meanwhile` runs beside the arm's motion, at the least priority; what fails in it is told.
+/// `pressed` hears the force of a path that pressed and came to its end.
 /// Pre: the plan has a path.
 [[nodiscard]] Result<ExitStatus> follow_path(const std::filesystem::path& folder, const PlanStep& plan,
                                              const SendRequest& request,
-                                             std::function<Result<void>()> meanwhile = {});
+                                             std::function<Result<void>()> meanwhile = {},
+                                             const std::function<void(const path::ForceTold&)>& pressed = {});
 
 /// What the gate would say no to although a person says yes, as far as it is known without the arm; nothing:
 /// a yes goes to the gate.  Pre: the plan has a path.

@@ -29,6 +29,7 @@
 #include "host/intake/live_line.hpp"
 #include "host/intake/scan_intake.hpp"
 #include "host/records/centre_word/centre_word.hpp"
+#include "host/records/force_book/force_book.hpp"
 #include "host/records/look/look_result.hpp"
 #include "host/records/release/shelf.hpp"
 #include "host/records/report/ended_by.hpp"
@@ -369,6 +370,13 @@ class Service {
   [[nodiscard]] ControllerAddress controller() const;
   /// What was taught; one that cannot be read is an Error, so that nothing is planned or sent unchecked.
   [[nodiscard]] Result<path::Mounted> mounted() const;
+  /// Whose force is learned; nothing: the process has none, or nobody knows the model.
+  [[nodiscard]] Result<std::optional<force_book::Subject>> force_subject(const Chosen& chosen) const;
+  /// As process_of(), with what its model's shoes have taught of the force.
+  [[nodiscard]] path::Process process_to_plan(const Chosen& chosen) const;
+  /// Of a shoe that was pressed to its end; `planned`: with which its path was.  What fails in it is told.
+  void learn_force(const Chosen& chosen, const std::string& name, const path::Process& planned,
+                   const path::ForceTold& told) const;
   /// `waits`: it waits for a person in any case, also without a path.
   [[nodiscard]] Result<WorkedOut> work_out_path(Scan& scan, const intake::ScanOutcome& outcome,
                                                 LineStep& line, bool waits);

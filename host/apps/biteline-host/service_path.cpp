@@ -75,7 +75,7 @@ Result<Service::WorkedOut> Service::work_out_path(Scan& scan, const intake::Scan
   ArmSeen arm = scan.arm_seen.valid() ? scan.arm_seen.get() : ArmSeen{.arm = robot_->arm};
   if (arm.T_flange_tcp) say_tool_difference(process_of(scan.chosen), *arm.T_flange_tcp);
   const PlanStepRequest request{.arm = std::move(arm.arm),
-                                .process = process_of(scan.chosen),
+                                .process = process_to_plan(scan.chosen),
                                 .table_z_mm = robot_->options.table_z_mm,
                                 .fixture = fixture_of(robot_->options),
                                 .mounted = taught,
@@ -132,10 +132,12 @@ Result<Service::WorkedOut> Service::work_out_path(Scan& scan, const intake::Scan
   cockpit_->show("the arm follows the line of " + name, "the next scan");
   BITELINE_ASSIGN(send.mounted, mounted());
   look_at_own_calibration(scan, outcome);
-  BITELINE_ASSIGN(const ExitStatus status, follow_and_owe_look(scan.folder, scan.chosen, [&] {
-                    return follow_path(scan.folder, plan, send,
-                                       [&] { return line.pages.write(outcome.cloud); });
-                  }));
+  BITELINE_ASSIGN(
+      const ExitStatus status, follow_and_owe_look(scan.folder, scan.chosen, [&] {
+        return follow_path(
+            scan.folder, plan, send, [&] { return line.pages.write(outcome.cloud); },
+            [&](const path::ForceTold& told) { learn_force(scan.chosen, name, plan.request.process, told); });
+      }));
   WorkedOut out{.status = status};
   if (status == ExitStatus::Done && looks_after(scan.chosen))
     out.after = AfterWork{.folder = scan.folder,
@@ -198,8 +200,11 @@ Service::Worked Service::send_held(HeldScan held, const robot::Word& word) {
   planned.request.holds_arm = holds_arm();
   Result<ExitStatus> status = without_exceptions([&]() -> Result<ExitStatus> {
     BITELINE_ASSIGN(planned.request.mounted, mounted());
+    const auto learn = [&](const path::ForceTold& told) {
+      learn_force(held.scan.chosen, held.name(), planned.plan.request.process, told);
+    };
     return follow_and_owe_look(folder, held.scan.chosen,
-                               [&] { return follow_path(folder, planned.plan, planned.request); });
+                               [&] { return follow_path(folder, planned.plan, planned.request, {}, learn); });
   });
   if (was_sent(folder)) {
     end_recording(held.scan.intake, ExitStatus::Done);

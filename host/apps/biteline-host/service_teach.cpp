@@ -35,7 +35,7 @@ Service::Worked Service::plan_with(HeldScan held, const std::string& process, co
     // Where this shoe grows too old the next scan of it is worked so, too.
     order_taught(process, chosen);
     BITELINE_TRY(keep_process(held.scan.folder, chosen));
-    planned.plan.request.process = process_of(chosen);
+    planned.plan.request.process = process_to_plan(chosen);
     return plan_anew(held);
   });
   cockpit_->show_model(chosen.model, chosen.probability, {chosen.process_name, chosen.process_by});

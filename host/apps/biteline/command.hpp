@@ -53,6 +53,7 @@ void add_study(options::Command& app, Context& context);
 void add_sweep(options::Command& app, Context& context);
 void add_target(options::Command& app, Context& context);
 void add_transfer(options::Command& app, Context& context);
+void add_work_force(options::Command& app, Context& context);
 void add_work_quality(options::Command& app, Context& context);
 
 }  // namespace biteline::app

@@ -161,6 +161,7 @@ int main(int argc, char** argv) {
   add_settings(app, context);
   add_study(app, context);
   add_sweep(app, context);
+  add_work_force(app, context);
   add_work_quality(app, context);
 
   if (const std::optional<biteline::options::Leave> leave = app.parse(words_of(argc, argv))) {

@@ -11,6 +11,7 @@
 #include "host/robot/link/ur/script.hpp"
 #include "host/robot/path/certainty.hpp"
 #include "host/robot/path/checks/program_check.hpp"
+#include "host/robot/path/force_learning.hpp"
 #include "host/robot/path/path_file.hpp"
 #include "host/robot/path/tip_bound.hpp"
 
@@ -75,12 +76,25 @@ ordered_json as_json(const path::TipParts& parts, const kinematics::ArmModel& ar
   return out;
 }
 
+ordered_json as_json(const path::Force& force, const std::optional<path::ForceLearned>& taught) {
+  ordered_json out{{"set_n", force.set_newton}};
+  if (!taught) return out;
+  const path::ForceDrift drift = path::drift_of(*taught);
+  out["learned"] = {{"shoes", taught->shoes},
+                    {"air_runs", taught->air_runs},
+                    {"sensor_drift_n", drift.error_newton},
+                    {"ahead_n", drift.ahead_newton}};
+  return out;
+}
+
 void fill_report(report::Report& report, const path::PlanRequest& request, const path::PlanOutcome& outcome) {
   ordered_json& fields = report.fields;
   fields["robot"] = request.arm.name;
   fields["calibrated"] = request.arm.calibrated;
   fields["process"] = request.process.name;
   fields["covered_width_mm"] = path::covered_width_mm(request.process);
+  if (request.process.force && !request.tool_off)
+    fields["force"] = as_json(*request.process.force, request.process.force_learned);
   fields["line_length_mm"] = cloud::length_mm(request.line);
   fields["seam_at_mm"] = outcome.tool_path.seam_arc_mm;
   fields["checks"] = ordered_json::array();

@@ -93,6 +93,14 @@ void learn_shoe(ForceLearned& learned, std::span<const ForceSample> samples, con
   }
 }
 
+ForceDrift drift_of(const ForceLearned& learned) {
+  ForceDrift drift;
+  for (const Vec3& error : learned.error_tcp) drift.error_newton = std::max(drift.error_newton, error.norm());
+  for (const double ahead : learned.ahead_newton)
+    drift.ahead_newton = std::max(drift.ahead_newton, std::abs(ahead));
+  return drift;
+}
+
 Result<ForceLearned> read_force_learned(const std::filesystem::path& file) {
   BITELINE_ASSIGN(config::YamlReader reader, config::YamlReader::open(file));
   ForceLearned learned;

@@ -43,6 +43,12 @@ void learn_shoe(ForceLearned& learned, std::span<const ForceSample> samples, con
 /// From the force that is asked for to the force: of a regulator of some 2 to 3 Hz.
 inline constexpr double k_force_lag_s = 0.08;
 
+/// N: the sensor's error by its place, and what is added ahead; each the largest of all places.
+struct ForceDrift {
+  double error_newton{0}, ahead_newton{0};
+};
+[[nodiscard]] ForceDrift drift_of(const ForceLearned& learned);
+
 /// YAML: set_n, air_runs, shoes, error_x_n, error_y_n, error_z_n, ahead_n.  Strict.
 [[nodiscard]] Result<ForceLearned> read_force_learned(const std::filesystem::path& file);
 [[nodiscard]] Result<void> write_force_learned(const std::filesystem::path& file,

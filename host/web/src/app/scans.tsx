@@ -259,10 +259,22 @@ function work_words(work: NonNullable<Scan['work']>): string {
   return [t(`work_${work.verdict}`), ...missing, ...counts, ...again].join(', ');
 }
 
+/// How the tool pressed: mean, least and largest force, and which share of it was as it should be.
+function force_words(follow: Scan['follow']): string | null {
+  const force = follow?.['force'] as Record<string, number> | undefined;
+  if (!force) return null;
+  const { mean_n, least_n, largest_n, within, band_percent, set_n } = force;
+  return `Ø ${number(mean_n, 1)} N (${number(least_n, 1)} … ${number(largest_n, 1)} N); ${number(
+    within === undefined ? undefined : 100 * within,
+    1,
+  )} %: ${number(set_n, 1)} N ± ${number(band_percent, 0)} %`;
+}
+
 export function OneScan({ id }: { id: string }): JSX.Element {
   const { value: scan, error } = use_reading<Scan>(`/scans/${id}`);
   const { value: listed } = use_reading<{ files: File[] }>(`/scans/${id}/files`);
   const finished = scan !== null && scan.verdict !== 'working';
+  const pressed = force_words(scan?.follow ?? null);
   return (
     <>
       <h1>{id}</h1>
@@ -301,6 +313,7 @@ export function OneScan({ id }: { id: string }): JSX.Element {
                       ? t('sent')
                       : t('no'),
               ],
+              ...(pressed ? [[t('field_force'), pressed] as [string, string]] : []),
               ...(scan.work ? [[t('work'), work_words(scan.work)] as [string, string]] : []),
               [
                 t('times'),
