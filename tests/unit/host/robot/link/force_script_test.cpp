@@ -8,11 +8,13 @@
 #include <memory>
 
 #include "hal/sim/robot/press_run.hpp"
+#include "host/robot/link/path_watch.hpp"
 #include "host/robot/link/ur/script.hpp"
 #include "host/robot/path/checks/force_check.hpp"
 #include "host/robot/path/first_run.hpp"
 #include "host/robot/path/force.hpp"
-#include "host/robot/path/force_learning.hpp"
+#include "host/robot/path/force_told.hpp"
+#include "host/robot/path/place.hpp"
 #include "tests/unit/host/robot/link/planned.hpp"
 
 namespace biteline::robot::ur {
@@ -83,9 +85,105 @@ double off_newton(const sim::PressRun& run) {
   return std::sqrt(sum / static_cast<double>(to - from));
 }
 
+/// The run as the controller tells it, with the tool turned as it is planned.
+std::vector<path::TrackSample> track_of(const sim::PressRun& run, const path::PlannedPath& path) {
+  std::vector<path::TrackSample> track;
+  path::AlongPath along{path};
+  for (const sim::PressStep& step : run.steps) {
+    SE3 T_base_tcp = path.waypoints.front().T_base_tcp;
+    if (const auto place = along.next(step.tip_base)) T_base_tcp = path::pose_at(path, *place);
+    T_base_tcp.translation() = step.tip_base + step.off_base;
+    track.push_back({.time_s = step.time_s,
+                     .T_base_tcp = T_base_tcp,
+                     .force_base_newton = step.told_newton,
+                     .presses = step.told == static_cast<int>(ForceWord::Presses)});
+  }
+  return track;
+}
+
+/// What the host's watch says of it.
+std::optional<HaltReason> watch_over(const sim::PressRun& run, const path::CheckedPath& checked) {
+  const path::PlannedPath& path = checked.path();
+  RobotState state{.q_rad = path.waypoints.front().q_rad,
+                   .T_base_tcp = path.waypoints.front().T_base_tcp,
+                   .T_flange_tcp = path.T_flange_tcp,
+                   .speed_ratio = 1};
+  PathWatch watch{path, {}, state};
+  const std::vector<path::TrackSample> track = track_of(run, path);
+  for (std::size_t i = 0; i < track.size(); ++i) {
+    state.sampled = RobotClock::time_point{Nanoseconds{static_cast<std::int64_t>(track[i].time_s * 1e9) + 1}};
+    state.T_base_tcp = track[i].T_base_tcp;
+    state.force_base_newton = track[i].force_base_newton;
+    state.force_word = run.steps[i].told;
+    if (auto halt = watch.look(state)) return halt;
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 TEST_GROUP(ForceScript){};
+
+/// Told is what pressed: within what the regulator leaves, and as far in as springs give way at that force.
+TEST(ForceScript, TheForceAndTheTipsWayInAreTold) {
+  for (const double deeper_mm : {0.0, 1.0}) {
+    const sim::PressRun run = run_on([&](double) { return deeper_mm; });
+    const auto told = path::force_told(pressing().path(), track_of(run, pressing().path()), {});
+    CHECK(told.has_value());
+    CHECK(told->samples > 1000);
+    // Behind the ramp what is missing of 17 N falls below 3 N (15 %) in 1.7 time constants: those of the
+    // regulator (k_force_lag_s) and of the reading's lag (50 ms) together, and one more for the ramp itself.
+    const double all_s = 0.002 * static_cast<double>(told->samples),
+                 behind_s = 2.7 * (path::k_force_lag_s + 0.05);
+    CHECK_COMPARE(told->within, >, 1 - behind_s / all_s);
+    DOUBLES_EQUAL(k_set_newton, told->mean_newton, 0.05 * k_set_newton);
+    DOUBLES_EQUAL(deeper_mm + k_set_newton / k_wall_newton_per_mm, told->along_mm,
+                  0.05 * k_set_newton / k_wall_newton_per_mm);
+    CHECK(told->learn.size() == told->samples);
+  }
+}
+
+/// A disc that wears while it works keeps its force, goes farther in, and is stopped where its reach ends.
+TEST(ForceScript, WornToolIsStoppedWhereItsReachEnds) {
+  const sim::PressRun slow = run_on([](double touched_s) { return 0.05 * touched_s; });
+  CHECK_FALSE(watch_over(slow, pressing()).has_value());
+  CHECK(off_newton(slow) < 0.05 * k_set_newton);
+  const sim::PressRun fast = run_on([](double touched_s) { return 0.5 * touched_s; });
+  const auto halt = watch_over(fast, pressing());
+  CHECK(halt.has_value());
+  CHECK_TEXT(halt->code == Halt::OffPath, halt->reason.c_str());
+}
+
+/// A sensor whose reading runs away: the regulator follows it, off the shoe or into it, until the reach ends
+/// or the program itself finds no contact.
+TEST(ForceScript, SensorThatDriftsIsStopped) {
+  for (const std::uint64_t seed : {1U, 2U, 3U}) {
+    const sim::PressRun run =
+        run_on([](double) { return 0.0; }, {.drift_newton_per_s = 20, .noise_seed = seed});
+    const auto halt = watch_over(run, pressing());
+    CHECK(halt.has_value());
+    const bool named = halt->code == Halt::OffPath || halt->code == Halt::ContactLost ||
+                       halt->code == Halt::ForceTooHigh || halt->code == Halt::NoContact;
+    CHECK_TEXT(named, halt->reason.c_str());
+  }
+}
+
+/// What was learned never asks for more than leaves room to the largest force.
+TEST(ForceScript, LearnedForceStaysBelowTheProcessesLargest) {
+  path::PlanRequest taught = pressing_request();
+  taught.process.force->most_newton = 1.2 * k_set_newton;
+  taught.process.force_learned =
+      path::ForceLearned{.set_newton = k_set_newton,
+                         .shoes = 1,
+                         .error_tcp = {},
+                         .ahead_newton = std::vector<double>(path::k_force_places, 0.5 * k_set_newton)};
+  const path::PlanOutcome planned = path::plan(taught);
+  CHECK_TEXT(planned.path.has_value(), planned.reason().c_str());
+  double most_newton = 0;
+  for (const path::Waypoint& w : planned.path->path().waypoints)
+    most_newton = std::max(most_newton, w.force_newton);
+  DOUBLES_EQUAL(1.2 * k_set_newton / path::k_force_room_ratio, most_newton, 1e-6);
+}
 
 /// The wall is where the path is, and a millimetre deeper: a regulator with a wall of springs has no error
 /// left but what the line's turns make of it.
