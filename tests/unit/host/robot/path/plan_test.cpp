@@ -39,7 +39,8 @@ std::string failed(const std::vector<Check>& checks) {
 TEST_GROUP(Plan){};
 
 TEST(Plan, EveryShippedProcessIsFollowedByTheUr5eWithEveryCheckPassed) {
-  for (const char* name : {"grind.yaml", "rough.yaml", "cement.yaml", "spray.yaml"}) {
+  for (const char* name :
+       {"grind.yaml", "grind_force.yaml", "rough.yaml", "rough_force.yaml", "cement.yaml", "spray.yaml"}) {
     const PlanRequest asked = request("UR5e", name);
     const PlanOutcome outcome = plan(asked);
     CHECK_TEXT(outcome.path.has_value(), outcome.reason().c_str());

@@ -33,7 +33,8 @@ Result<Process> read_changed(const std::string& from, const std::string& to) {
 TEST_GROUP(ProcessFile){};
 
 TEST(ProcessFile, ShippedProcessesAreValid) {
-  for (const char* name : {"grind.yaml", "rough.yaml", "cement.yaml", "spray.yaml"}) {
+  for (const char* name :
+       {"grind.yaml", "grind_force.yaml", "rough.yaml", "rough_force.yaml", "cement.yaml", "spray.yaml"}) {
     const auto process = read_process(shipped(name));
     CHECK_TEXT(process.has_value(), name);
     CHECK(covered_width_mm(*process) > 5);
