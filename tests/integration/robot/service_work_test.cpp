@@ -7,6 +7,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "host/records/force_book/force_book.hpp"
 #include "host/records/memory/memory.hpp"
 #include "tests/integration/robot/person.hpp"
 #include "tests/support/timed_test.hpp"
@@ -58,7 +59,24 @@ struct WorkedCell : Utest {
     }
     return folder.write("cement.yaml", text + gate);
   }
+  /// Grinding with a set force, on what a quick scan is good to.
+  fs::path pressing_process() const {
+    std::ifstream stream{fs::path{BITELINE_PROCESSES} / "grind_force.yaml"};
+    std::string text{std::istreambuf_iterator<char>{stream}, {}};
+    for (const auto& [asked, instead] :
+         {std::pair<std::string, std::string>{"start: auto", "start: auto\nfollow: {covered: 0.5}"},
+          {"\n  tolerance_mm: 1 ", "\n  tolerance_mm: 20 "},
+          {"\n  tip_tolerance_mm: 2 ", "\n  tip_tolerance_mm: 20 "}}) {
+      const std::size_t at = text.find(asked);
+      CHECK_TEXT(at != std::string::npos, asked.c_str());
+      text.replace(at, asked.size(), instead);
+    }
+    return folder.write("grind_force.yaml", text);
+  }
   ChildProcess start(const std::vector<std::string>& more, const std::string& gate = {}) const {
+    return start_with(process(gate), more);
+  }
+  ChildProcess start_with(const fs::path& process, const std::vector<std::string>& more) const {
     const auto at = [&](const char* port) { return "127.0.0.1:" + std::to_string(ports[port].get<int>()); };
     std::vector<std::string> all{"--sensor",
                                  sensor,
@@ -67,7 +85,7 @@ struct WorkedCell : Utest {
                                  "--robot",
                                  "UR10e",
                                  "--process",
-                                 process(gate).string(),
+                                 process.string(),
                                  "--fixture-z",
                                  std::to_string(ports["fixture_z_mm"].get<double>()),
                                  "--fixture-beyond",
@@ -213,6 +231,47 @@ ORDINARY_TIMED_TEST(ServiceWork, AStopDuringTheLookWorksNothingAgain) {
 }
 
 TEST_GROUP_BASE(ServiceWorkLong, WorkedCell){};
+
+/// Three shoes pressed by a whole service: the first one's model is not known, the second teaches, the third
+/// is pressed with what it taught, and all of them are told.
+ORDINARY_TIMED_TEST(ServiceWorkLong, ForceIsLearnedFromShoeToShoe) {
+  begin_cell({"presses"});
+  const fs::path process = pressing_process(), library = folder.path() / "models";
+  const auto work = [&](const std::vector<std::string>& more) {
+    ChildProcess host = start_with(process, more);
+    const auto [status, said] = end_of(host);
+    LONGS_EQUAL_TEXT(static_cast<int>(ExitStatus::Done), status, said.c_str());
+  };
+  const auto json = [&](const char* name) {
+    std::ifstream stream{results() / name};
+    return test::read_json(stream);
+  };
+  const auto learned = [&] {
+    const auto memory = memory::Memory::open_to_read(results() / memory::k_memory_file);
+    SUCCEEDS(memory);
+    const auto all = force_book::read_all(*memory);
+    SUCCEEDS(all);
+    return *all;
+  };
+  work({"--once"});
+  // The share that force mode keeps alone: below it the bench says 82.6 % of a worst shoe.
+  CHECK_COMPARE(json("scan-0001/followed.json")["force"].value("within", 0.0), >, 0.8);
+  CHECK(learned().empty());
+  auto save = ChildProcess::start({.program = BITELINE_TOOL,
+                                   .arguments = {"model", "--library", library.string(), "save", "boot",
+                                                 scan().string(), "--process", process.string()}});
+  SUCCEEDS(save);
+  LONGS_EQUAL(0, save->wait(k_patience).value_or(-1));
+  work({"--once", "--models", "--library", library.string()});
+  LONGS_EQUAL(1, learned().size());
+  STRCMP_EQUAL("boot", learned().front().of.model.c_str());
+  LONGS_EQUAL(1, learned().front().learned.shoes);
+  CHECK(!json("scan-0002/path/report.json")["force"].contains("learned"));
+  work({"--once", "--models", "--library", library.string()});
+  LONGS_EQUAL(1, json("scan-0003/path/report.json")["force"]["learned"].value("shoes", 0));
+  LONGS_EQUAL(2, learned().front().learned.shoes);
+  STRCMP_EQUAL("scan-0003", learned().front().shoes.back().scan.c_str());
+}
 
 ORDINARY_TIMED_TEST(ServiceWorkLong, WhatIsStillMissingAfterTheReworkIsAPersons) {
   begin_cell({std::to_string(k_gap_mm), "2"});

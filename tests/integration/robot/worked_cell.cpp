@@ -2,11 +2,13 @@
 // A cell without pictures: a made shoe, scanned quickly whenever a scan is asked for, and a simulated arm
 // whose tool leaves wet glue on it while its output is on.  The next scan sees that.
 //
-//     biteline-worked-cell FOLDER [GAP_MM GAP_PROGRAMS [moved]]
+//     biteline-worked-cell FOLDER [presses | GAP_MM GAP_PROGRAMS [moved]]
 //
+// presses: the shoe's wall is made of springs, and the arm's force sensor has the errors of a common one.
 // GAP_MM: a gap of that length that GAP_PROGRAMS programs leave; moved: somebody moves the shoe after the
 // first scan.  Tells the controller's ports as a line of JSON, then the sensor's address, then each start.
 // FOLDER gets the truth of what lies on the shoe, as each scan sees it.
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <mutex>
@@ -25,6 +27,7 @@ namespace {
 constexpr int k_output = 1;  // of cement.yaml
 constexpr double k_width_mm = 6, k_gap_middle_mm = 200, k_moved_mm = 0.6;
 constexpr double k_profile_step_mm = 1;
+constexpr double k_wall_newton_per_mm = 15;
 
 sim::JointVector parked_rad() {
   return std::numbers::pi / 180 * (sim::JointVector() << 180, -90, 60, 100, 90, 160).finished();
@@ -41,9 +44,13 @@ class WorkedCell {
         seen_{placed_.shoe},
         moves_{moves} {}
 
-  Result<void> open() {
+  Result<void> open(bool presses) {
     sim::UrController::Config config;
     config.model = "UR10E";
+    if (presses) {
+      config.force = sim::common_force_facts(1);
+      config.touch = [this](const SE3& T_base_tcp, double) { return wall_newton(T_base_tcp.translation()); };
+    }
     BITELINE_ASSIGN(controller_,
                     sim::UrController::open(config, arm_,
                                             [this](SensorClock::time_point, const sim::ArmState& state,
@@ -93,6 +100,14 @@ class WorkedCell {
   }
 
  private:
+  /// Of springs behind the line's place that is nearest, along the wall's normal there.
+  [[nodiscard]] Vec3 wall_newton(const Vec3& tip_base) const {
+    const Vec3 tip_shoe = placed_.T_base_shoe.inverse() * tip_base;
+    const auto& near = *std::ranges::min_element(
+        placed_.line, {}, [&](const auto& place) { return (place.point_shoe - tip_shoe).squaredNorm(); });
+    const double depth_mm = (near.point_shoe - tip_shoe).dot(near.normal_shoe);
+    return std::max(0.0, depth_mm) * k_wall_newton_per_mm * (placed_.T_base_shoe.linear() * near.normal_shoe);
+  }
   [[nodiscard]] std::vector<profile::Profile> profiles_of(const sim::ScannedCloud& cloud) const {
     std::vector<profile::Profile> profiles;
     // As an arm goes round at 100 mm/s, which has just ended.
@@ -138,8 +153,9 @@ class WorkedCell {
 
 int main(int argc, char** argv) {
   using namespace biteline;
-  if (argc != 2 && argc != 4 && (argc != 5 || std::string_view{argv[4]} != "moved")) {
-    std::fprintf(stderr, "usage: biteline-worked-cell FOLDER [GAP_MM GAP_PROGRAMS [moved]]\n");
+  const bool presses = argc == 3 && std::string_view{argv[2]} == "presses";
+  if (argc != 2 && !presses && argc != 4 && (argc != 5 || std::string_view{argv[4]} != "moved")) {
+    std::fprintf(stderr, "usage: biteline-worked-cell FOLDER [presses | GAP_MM GAP_PROGRAMS [moved]]\n");
     return 2;
   }
   sim::WorkingTool tool{.work = sim::Work::WetGlue,
@@ -159,7 +175,7 @@ int main(int argc, char** argv) {
   const std::filesystem::path folder{argv[1]};
   WorkedCell cell{settings, tool, argc > 4};
   return test::run_scan_server("biteline-worked-cell", [&]() -> Result<test::ScanServer> {
-    BITELINE_TRY(cell.open());
+    BITELINE_TRY(cell.open(presses));
     cell.tell();
     return test::ScanServer{.identity = cell.identity(),
                             .make = [&](std::uint64_t number) { return cell.scan(number, folder); },
