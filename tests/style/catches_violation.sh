@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# catches_violation.sh format|names|docs|tidy: each check must be green on a clean tree and red on every seeded violation.
+# catches_violation.sh format|names|docs|site|tidy: each check must be green on a clean tree and red on every seeded violation.
 set -u
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 root=$(cd "$here/../.." && pwd)
@@ -89,6 +89,21 @@ case $1 in
     printf 'one two three four five six seven eight nine ten %.0s' 1 2 3 >>"$tree/README.md"
     must_be_red 'a sentence has 30 words' "$here/check_docs.sh" "$tree"
     ;;
+  site)
+    site="$root/docs/site"
+    page() { printf '<html><body><h1 id="top">x</h1>%s</body></html>' "$1" >"$tree/index.html"; }
+    page '<a href="#top">x</a>'
+    must_be_green "$site/check_site.py" "$tree"
+    page '<a href="none.html">x</a>'
+    must_be_red 'a link leads nowhere' "$site/check_site.py" "$tree"
+    page '<a href="#none">x</a>'
+    must_be_red 'a heading is not there' "$site/check_site.py" "$tree"
+    page '<script src="https://example.invalid/x.js"></script>'
+    must_be_red 'a page loads from elsewhere' "$site/check_site.py" "$tree"
+    printf '# x\n\n[y](host)\n' >"$tree/README.md"
+    must_be_red 'a link leads to a folder without README' "$site/stage.py" "$tree" "$tree/staged"
+    rm "$tree/README.md"
+    ;;
   tidy)
     command -v git >/dev/null || { echo "skipped: git is not installed"; exit 77; }
     mkdir "$tree/build"
@@ -133,5 +148,5 @@ std::string f(std::string a) { std::string b = std::move(a); return a + b; }'
     sed -i "s|cmake_pch.hxx|other.hxx|" "$tree/build/compile_commands.json"
     must_be_red 'clang cannot read a command' "$here/check_tidy.sh" "$tree" "$tree/build" --all
     ;;
-  *) echo "usage: catches_violation.sh format|names|docs|tidy"; exit 2 ;;
+  *) echo "usage: catches_violation.sh format|names|docs|site|tidy"; exit 2 ;;
 esac

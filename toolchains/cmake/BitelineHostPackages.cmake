@@ -56,7 +56,7 @@ install(DIRECTORY host/records/reader DESTINATION ${CMAKE_INSTALL_DATADIR}/bitel
 install(FILES ${parts}/completion.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME biteline COMPONENT host)
 install(FILES README.md LICENSE CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/biteline COMPONENT host)
 install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/biteline COMPONENT host
-  FILES_MATCHING PATTERN *.md PATTERN *.png PATTERN *.svg)
+  FILES_MATCHING PATTERN *.md PATTERN *.png PATTERN *.svg PATTERN site EXCLUDE)
 install(FILES ${man}/biteline.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT host OPTIONAL)
 install(TARGETS biteline-gige RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT gige)
 # The centre has none of the cell's documents but its own.
