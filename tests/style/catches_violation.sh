@@ -86,8 +86,12 @@ case $1 in
     echo '[z](z.md)' >>"$tree/y.md"
     must_be_red 'a link leads nowhere' "$here/check_docs.sh" "$tree"
     echo '# y' >"$tree/y.md"
-    printf 'one two three four five six seven eight nine ten %.0s' 1 2 3 >>"$tree/README.md"
-    must_be_red 'a sentence has 30 words' "$here/check_docs.sh" "$tree"
+    printf 'one two three four five six seven eight nine ten %.0s' 1 2 3 4 >>"$tree/README.md"
+    must_be_red 'a sentence has 40 words' "$here/check_docs.sh" "$tree"
+    printf '# x\n\nA scan may end early. There is one reason. It is told.\n' >"$tree/README.md"
+    must_be_green "$here/check_docs.sh" "$tree"
+    echo 'So is another.' >>"$tree/README.md"
+    must_be_red 'a sentence leans on the one before' "$here/check_docs.sh" "$tree"
     ;;
   site)
     site="$root/docs/site"
