@@ -103,15 +103,15 @@ Result<void> Cockpit::listen() {
                                             .stock = [folders = config_.stock] { return stock_now(folders); },
                                             .line_token = std::move(line_token),
                                             .day = config_.day});
-  reruns_ = std::make_unique<RerunWorker>(RerunRoom{.results = config_.results,
-                                                    .stock = config_.stock,
-                                                    .arm = config_.rerun_arm,
-                                                    .mounted = [this]() -> Result<path::Mounted> {
-                                                      BITELINE_ASSIGN(const mounted::Record record,
-                                                                      mounted::read_record(memory_));
-                                                      return record.mounted();
-                                                    }},
-                                          [this](const std::string& scan) { tell_scan(scan); });
+  reruns_ = std::make_unique<RerunWorker>(
+      RerunRoom{.results = config_.results,
+                .stock = config_.stock,
+                .arm = config_.rerun_arm,
+                .mounted = [this](const std::string& tool) -> Result<path::Mounted> {
+                  BITELINE_ASSIGN(const mounted::Record record, mounted::read_record(memory_));
+                  return record.mounted(tool);
+                }},
+      [this](const std::string& scan) { tell_scan(scan); });
   control::ServerConfig server;
   server.endpoint = *config_.endpoint;
   server.keys = config_.keys;

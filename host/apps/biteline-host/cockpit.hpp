@@ -2,6 +2,7 @@
 #pragma once
 /// \file What doors see of the service and say to it: the cell's face behind the control end.
 
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <deque>
@@ -202,6 +203,9 @@ class Cockpit final : public api::Cell {
   [[nodiscard]] Result<void> look_again(const std::string& scan, const api::Speaker& who) override;
   [[nodiscard]] Result<void> begin_mend(const std::string& scan) override;
   void end_mend(const std::string& scan, bool mended, const api::Speaker& who) override;
+  void tool_mounted() override { ++tools_mounted_; }
+  /// So often somebody has said so, since the service began.
+  [[nodiscard]] int tools_mounted() const { return tools_mounted_; }
   void model_saved(const std::string& process_sha256, const std::string& who) override;
   [[nodiscard]] Result<void> change_settings(const std::vector<api::SettingChange>& changes,
                                              const std::string& who) override;
@@ -326,6 +330,7 @@ class Cockpit final : public api::Cell {
   };
   [[nodiscard]] std::optional<double> cycle_s_locked() const;
   std::optional<Cycle> this_cycle_{};
+  std::atomic<int> tools_mounted_{0};
   std::optional<double> last_cycle_s_{};
   Clock::time_point published_{};
   std::unique_ptr<RerunWorker> reruns_;      ///< tells the server when one is done

@@ -21,6 +21,8 @@ std::span<const report::RefusalRow<Refused>> refusal_table(Refused) {
                                   "look at the line there; mend it, or save this scan as the model"},
       report::RefusalRow<Refused>{Refused::WorkNotLookedAt, "work_not_looked_at",
                                   "look at the shoe by eye, then start"},
+      report::RefusalRow<Refused>{Refused::SequenceCut, "sequence_cut",
+                                  "take the shoe out, or start what is missing of it by its process"},
   };
   return k_rows;
 }

@@ -14,6 +14,7 @@ enum class Refused {
   PartWorkedBefore,    ///< a path was sent for a shoe of this part number
   LineOffMended,       ///< the line lies off the mended line of its model by more than both are known
   WorkNotLookedAt,     ///< it was worked, and the look at what was done did not come
+  SequenceCut,         ///< the shoe was worked with some of its processes, and not with all
 };
 
 [[nodiscard]] std::span<const report::RefusalRow<Refused>> refusal_table(Refused);

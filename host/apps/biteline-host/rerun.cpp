@@ -111,7 +111,7 @@ Result<path::PlanRequest> request_of(const RerunRoom& room, path::Process proces
   const RerunArm& arm = *room.arm;
   path::PlanRequest request;
   if (room.mounted) {
-    BITELINE_ASSIGN(request.mounted, room.mounted());
+    BITELINE_ASSIGN(request.mounted, room.mounted(process.tool.name));
   }
   request.process = std::move(process);
   request.arm = arm.model;

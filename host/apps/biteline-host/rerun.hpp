@@ -28,8 +28,9 @@ struct RerunArm {
 struct RerunRoom {
   std::filesystem::path results;
   StockFolders stock;
-  std::optional<RerunArm> arm;                       ///< without: lines alone
-  std::function<Result<path::Mounted>()> mounted{};  ///< what was taught; none: nothing is
+  std::optional<RerunArm> arm;  ///< without: lines alone
+  /// What was taught of the tool of that name; none: nothing is.
+  std::function<Result<path::Mounted>(const std::string& tool)> mounted{};
 };
 
 /// The outcome in the order's folder of the scan: line.csv, report.json, view, path/.  Never gate.json, and

@@ -92,6 +92,10 @@ robot::GateInputs gate_inputs(const PlanStep& plan, const SendRequest& request) 
                    .tool_off_rad = geometry::log_so3(off.linear()).norm(),
                    .same_payload = same_payload(plan.outcome.path->path().payload,
                                                 path::carried(process, request.mounted))};
+  if (!process.tool.name.empty()) {
+    inputs.result.tool = process.tool.name;
+    inputs.result.mounted_tool = request.mounted.tool;
+  }
   inputs.result.tip_from_taught_mm = path::tip_off_mm(process, request.mounted);
   inputs.result.payload_as_taught = path::carries_as_taught(process, request.mounted);
   if (request.mounted.table_z_mm)

@@ -141,6 +141,10 @@ Result<ExitStatus> Service::run(const std::atomic<bool>& stop) {
   BITELINE_TRY(watch_pendant());
   BITELINE_TRY(watch_clamp());
   take_up_order();
+  if (robot_ && options_.releases.empty()) {
+    Chosen own;
+    BITELINE_TRY(take_following(own));
+  }
   find_unfinished();
   close_owed_looks();
   forget_used_part();
@@ -150,6 +154,7 @@ Result<ExitStatus> Service::run(const std::atomic<bool>& stop) {
     heed_wishes();
     end_what_was_stopped();
     look_at_clamp();
+    look_at_tool();
     look_at_centre();
     if (!scan_ && cut_off_.empty() && is_free() && !unfinished_.empty()) {
       const fs::path folder = std::move(unfinished_.front());
@@ -248,7 +253,7 @@ std::optional<Service::Worked> Service::result_done() {
 
 void Service::end_what_was_stopped() {
   // A look that comes in ends by itself.
-  if (inspects() && after_->mark.stopped() && !scan_ && cut_off_.empty())
+  if (inspects() && after_->scan.mark.stopped() && !scan_ && cut_off_.empty())
     return give_up_inspection("it was stopped");
   if (result_.valid() || !held_) return;
   // A line that is being mended is a whole one when its row is written.
@@ -257,8 +262,9 @@ void Service::end_what_was_stopped() {
   begin_result(held_->name(), [this, held = std::move(*held_)]() mutable -> Worked {
     say_step("%s waits no longer: it was stopped", held.name().c_str());
     end_recording(held.scan.intake, ExitStatus::Refused);
+    const std::string asks = leave_step(held.scan);
     const Remembered told = remember(held.scan.folder, "open", held.scan.chosen, {.stopped = true});
-    return {.status = ExitStatus::Refused, .held = {}, .end = told.end};
+    return {.status = ExitStatus::Refused, .held = {}, .end = told.end, .after = {}, .asks = asks};
   });
   held_.reset();
 }

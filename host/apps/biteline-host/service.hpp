@@ -17,6 +17,7 @@
 #include "common/core/result.hpp"
 #include "host/apps/biteline-host/cockpit.hpp"
 #include "host/apps/biteline-host/confirm.hpp"
+#include "host/apps/biteline-host/next_of.hpp"
 #include "host/apps/biteline-host/options.hpp"
 #include "host/apps/biteline-host/recognise.hpp"
 #include "host/apps/biteline-host/send_step.hpp"
@@ -83,12 +84,15 @@ class Service {
     std::string taught_model{};   ///< of that scan; empty: none was known
     std::string other_process{};  ///< of the model: why a person has to look though nobody asked for it
     std::optional<TakenProcess> process{};
-    memory::Evidence written{};  ///< what was looked at, as the service wrote it
+    std::vector<TakenProcess> following{};  ///< that the same shoe is worked with then, in this order
+    std::string follows{};                  ///< the result of the process before; empty: it is the first
+    memory::Evidence written{};             ///< what was looked at, as the service wrote it
     std::optional<memory::Places> places{};
     std::optional<release::InForce> release{};  ///< else the cell's own library and processes
 
     /// What it was recognised as, or named; what nobody knows of foot and size stays as it was ordered.
     void take(const Recognised& recognised);
+    [[nodiscard]] bool in_sequence() const { return !following.empty() || !follows.empty(); }
   };
   /// A scan and the folder it belongs to.
   struct Scan {
@@ -148,14 +152,13 @@ class Service {
   };
   /// A shoe that was worked, and is to be looked at.
   struct AfterWork {
-    std::filesystem::path folder;  ///< of its scan
-    Chosen chosen;
-    robot::StopMark mark;  ///< of the start that it comes of
-    Planned planned;       ///< what was followed first
-    int looks{0};          ///< that were worked out
-    bool reworked{false};  ///< what was missing was worked once more
+    Scan scan;
+    Planned planned;                 ///< what was followed first
+    int looks{0};                    ///< that were worked out
+    bool reworked{false};            ///< what was missing was worked once more
+    std::optional<Looked> looked{};  ///< whether it has moved, by the last one
 
-    [[nodiscard]] std::string name() const { return folder.filename().string(); }
+    [[nodiscard]] std::string name() const { return scan.folder.filename().string(); }
   };
   /// What the result's thread leaves.
   struct Worked {
@@ -251,6 +254,35 @@ class Service {
   [[nodiscard]] Worked look_at_held(HeldScan held, Scan look);
   /// Doors are told what changes with it.
   void look_at_clamp();
+  /// The same where a person has said which tool is mounted.
+  void look_at_tool();
+
+  // Several processes for one shoe (service_steps.cpp).
+  /// What follows chosen's process by `next_process`.  Errc::BadValue names what does not go together.
+  [[nodiscard]] Result<void> take_following(Chosen& chosen) const;
+  /// A look, or another process, follows the work.
+  [[nodiscard]] bool goes_on_after(const Chosen& chosen) const {
+    return looks_after(chosen) || !chosen.following.empty();
+  }
+  /// Of several processes this one was begun and not ended: why a person must look; empty: nobody must.
+  [[nodiscard]] std::string cut_off(const std::filesystem::path& folder, const Chosen& chosen,
+                                    const Result<ExitStatus>& status) const;
+  /// No scan is asked for before a person has looked.
+  [[nodiscard]] Worked ask_a_person(Worked worked, const std::string& words);
+  /// The shoe's next process, from its files to its end or until it waits.  The result's thread.
+  /// Pre: one follows, and what was worked is ended and looked at as it asks.
+  [[nodiscard]] Worked begin_step(AfterWork after);
+  /// `after` becomes the next process's: folder, files and what it is worked with.
+  [[nodiscard]] Result<void> take_step(AfterWork& after) const;
+  [[nodiscard]] Result<void> plan_step(AfterWork& after) const;
+  [[nodiscard]] NextStep next_of_step(const AfterWork& after) const;
+  /// Pre: it may be sent without a person.
+  [[nodiscard]] Worked follow_step(AfterWork after);
+  /// It waited, and a person's word has ended that: the shoe stays as the process before has left it, and a
+  /// person looks before the next scan: why; empty: the scan follows nothing.
+  [[nodiscard]] std::string leave_step(const Scan& scan) const;
+  /// Into the book of the process before: `next` is its result; not owed: nothing of it is open any more.
+  void tell_next_scan(const std::string& before, const std::string& next, bool owed) const;
 
   // A look at what was done, and once more what is missing (service_work.cpp).
   /// The process asks for it.
@@ -285,6 +317,8 @@ class Service {
   /// Nobody looks any more: the row says what is known.
   [[nodiscard]] Worked end_work(AfterWork after, WorkBook book, Result<ExitStatus> status);
   [[nodiscard]] Worked end_unlooked(AfterWork after, WorkBook book, const std::string& why);
+  /// It waited for a person when the service ended, and has no messages to be taken up by.
+  void close_held_step(const std::string& scan, const report::ToldRefusal& told) const;
   /// Of a service before this one: the shoe was worked, and nobody has looked.
   void close_owed_looks();
   /// A person must look before the next scan, also of a service after this one; empty: nobody must any more.
@@ -305,6 +339,8 @@ class Service {
   /// Whatever the scan does to it: a result, or a report that says why there is none.
   [[nodiscard]] Worked work_out(Scan scan);
   [[nodiscard]] WorkedOut work_out_files(Scan& scan);
+  /// What was worked out is a scan's no more that waits or goes on.
+  [[nodiscard]] static const Chosen& chosen_of(const WorkedOut& out, const Scan& scan);
   /// The row of what was worked out, and room for the next.
   [[nodiscard]] Worked close_result(WorkedOut out, const std::filesystem::path& folder, Chosen chosen);
   /// It waits again: its row says so.
@@ -368,8 +404,9 @@ class Service {
   [[nodiscard]] bool holds_arm() const;
   /// Pre: there is a robot.
   [[nodiscard]] ControllerAddress controller() const;
-  /// What was taught; one that cannot be read is an Error, so that nothing is planned or sent unchecked.
-  [[nodiscard]] Result<path::Mounted> mounted() const;
+  /// What was taught of the process's tool, and which one is mounted; one that cannot be read is an Error, so
+  /// that nothing is planned or sent unchecked.
+  [[nodiscard]] Result<path::Mounted> mounted(const path::Process& process) const;
   /// Whose force is learned; nothing: the process has none, or nobody knows the model.
   [[nodiscard]] Result<std::optional<force_book::Subject>> force_subject(const Chosen& chosen) const;
   /// As process_of(), with what its model's shoes have taught of the force.
@@ -387,7 +424,7 @@ class Service {
   [[nodiscard]] SendRequest send_request(const Scan& scan, const intake::ScanOutcome& outcome,
                                          const LineStep& line, const path::Mounted& taught) const;
   /// Why a person has to look though nobody asked for it; empty: no reason.
-  [[nodiscard]] std::string looks_of(const Chosen& chosen) const;
+  [[nodiscard]] std::string looks_of(const Chosen& chosen, const path::Mounted& mounted) const;
   /// With the line as it stands in the folder, mended or not, and the request's process.
   [[nodiscard]] Result<ExitStatus> plan_anew(HeldScan& held);
   /// The files are what the service, or a mend, wrote; Errc::WrongState names the one that is not.
@@ -456,6 +493,7 @@ class Service {
   std::unique_ptr<robot::ur::PendantWatch> pendant_{};  ///< of an arm that paths are sent to
   std::unique_ptr<robot::ur::ClampWatch> clamp_{};      ///< where the cell has one that tells
   bool clamp_holds_{false};                             ///< as doors were told
+  int tools_mounted_{0};                                ///< the same, so often
   std::deque<std::filesystem::path> unfinished_;        ///< folders, still to be taken up
   std::unique_ptr<intake::SensorLink> link_;
   std::optional<Scan> scan_;                ///< coming in

@@ -158,6 +158,7 @@ void Service::heed(const Wish& wish) {
       if (std::optional<HeldScan> held = take_held(wish)) {
         say_step("%s is rejected by %s", wish.scan.c_str(), wish.who.c_str());
         end_recording(held->scan.intake, ExitStatus::Refused);
+        if (const std::string words = leave_step(held->scan); !words.empty()) asks_ = words;
       }
       return;
     case Wish::Kind::Send:

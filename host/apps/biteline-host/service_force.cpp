@@ -8,7 +8,7 @@ namespace biteline::service {
 
 Result<std::optional<force_book::Subject>> Service::force_subject(const Chosen& chosen) const {
   if (chosen.model.empty() || !taken_of(chosen).process.force) return std::optional<force_book::Subject>{};
-  BITELINE_ASSIGN(const path::Mounted taught, mounted());
+  BITELINE_ASSIGN(const path::Mounted taught, mounted(taken_of(chosen).process));
   return std::optional{force_book::Subject{.model = chosen.model,
                                            .foot = chosen.foot,
                                            .process = taken_of(chosen).process.name,

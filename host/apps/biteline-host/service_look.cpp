@@ -70,6 +70,10 @@ void Service::give_up_look(const std::string& why) {
 void Service::tell_aside(bool again) {
   result_ = std::async(std::launch::async, [this, again, held = std::move(*held_)]() mutable -> Worked {
     pthread_setname_np(pthread_self(), "bl-result");
+    if (Planned* const planned = held.planned()) {
+      // What cannot be read is told by whoever sends it.
+      if (const auto now = mounted(planned->plan.request.process)) planned->request.mounted = *now;
+    }
     tell_held(held, again);
     return {.status = ExitStatus::Done, .held = std::move(held)};
   });
@@ -108,6 +112,13 @@ void Service::look_at_clamp() {
   clamp_holds_ = holds;
   // How long it stays fresh, and whether a yes would be taken, is another answer now.
   if (held_ && cockpit_->cell().shoe() == Shoe::Held) tell_aside(true);
+}
+
+void Service::look_at_tool() {
+  const int said = cockpit_->tools_mounted();
+  if (said == tools_mounted_ || result_.valid()) return;
+  tools_mounted_ = said;
+  if (held_ && held_->planned() && cockpit_->cell().shoe() == Shoe::Held) tell_aside(true);
 }
 
 }  // namespace biteline::service

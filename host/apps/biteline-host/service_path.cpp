@@ -29,9 +29,9 @@ ControllerAddress Service::controller() const {
   return controller;
 }
 
-Result<path::Mounted> Service::mounted() const {
+Result<path::Mounted> Service::mounted(const path::Process& process) const {
   BITELINE_ASSIGN(const mounted::Record record, mounted::read_record(cockpit_->memory()));
-  return record.mounted();
+  return record.mounted(process.tool.name);
 }
 
 SendRequest Service::send_request(const Scan& scan, const intake::ScanOutcome& outcome, const LineStep& line,
@@ -55,7 +55,7 @@ SendRequest Service::send_request(const Scan& scan, const intake::ScanOutcome& o
           .process_file = taken_of(scan.chosen).file};
 }
 
-std::string Service::looks_of(const Chosen& chosen) const {
+std::string Service::looks_of(const Chosen& chosen, const path::Mounted& mounted) const {
   std::string looks;
   const auto add = [&looks](const std::string& why) {
     if (!why.empty()) looks += (looks.empty() ? "" : "; ") + why;
@@ -65,13 +65,17 @@ std::string Service::looks_of(const Chosen& chosen) const {
   const path::Process& process = taken_of(chosen).process;
   if (chosen.foot.empty() && path::needs_foot(process))
     add("the process has stretches of a " + process.foot + " shoe, and nobody knows this one's foot");
+  if (path::has_its_tool(process, mounted) == false)
+    add("the tool " + process.tool.name + " is to be mounted; " +
+        (mounted.tool ? *mounted.tool + " is" : "nobody has said which one is"));
   return looks;
 }
 
 Result<Service::WorkedOut> Service::work_out_path(Scan& scan, const intake::ScanOutcome& outcome,
                                                   LineStep& line, bool waits) {
   const std::string name = scan.folder.filename().string();
-  BITELINE_ASSIGN(const path::Mounted taught, mounted());
+  BITELINE_TRY(take_following(scan.chosen));
+  BITELINE_ASSIGN(const path::Mounted taught, mounted(process_of(scan.chosen)));
   ArmSeen arm = scan.arm_seen.valid() ? scan.arm_seen.get() : ArmSeen{.arm = robot_->arm};
   if (arm.T_flange_tcp) say_tool_difference(process_of(scan.chosen), *arm.T_flange_tcp);
   const PlanStepRequest request{.arm = std::move(arm.arm),
@@ -102,7 +106,7 @@ Result<Service::WorkedOut> Service::work_out_path(Scan& scan, const intake::Scan
                   .asks_by_gate = needs_a_person(process_of(scan.chosen).gate, line.confidence),
                   .asked_to_hold = cockpit_->wants_hold(name),
                   .drift_stops = scan.drifted && options_.stop_on_drift,
-                  .looks = looks_of(scan.chosen)};
+                  .looks = looks_of(scan.chosen, taught)};
   NextStep step = next_of(facts);
   // The last look: from now on whoever wants it held is told that it is too late.
   if (step.next == Next::Send && cockpit_->wants_hold_at_last(name)) {
@@ -130,7 +134,7 @@ Result<Service::WorkedOut> Service::work_out_path(Scan& scan, const intake::Scan
   }
   cockpit_->enter(CellEvent::ArmSetsOut);
   cockpit_->show("the arm follows the line of " + name, "the next scan");
-  BITELINE_ASSIGN(send.mounted, mounted());
+  BITELINE_ASSIGN(send.mounted, mounted(plan.request.process));
   look_at_own_calibration(scan, outcome);
   BITELINE_ASSIGN(
       const ExitStatus status, follow_and_owe_look(scan.folder, scan.chosen, [&] {
@@ -139,11 +143,9 @@ Result<Service::WorkedOut> Service::work_out_path(Scan& scan, const intake::Scan
             [&](const path::ForceTold& told) { learn_force(scan.chosen, name, plan.request.process, told); });
       }));
   WorkedOut out{.status = status};
-  if (status == ExitStatus::Done && looks_after(scan.chosen))
-    out.after = AfterWork{.folder = scan.folder,
-                          .chosen = scan.chosen,
-                          .mark = scan.mark,
-                          .planned = {.plan = std::move(plan), .request = std::move(send)}};
+  if (status == ExitStatus::Done && goes_on_after(scan.chosen))
+    out.after =
+        AfterWork{.scan = std::move(scan), .planned = {.plan = std::move(plan), .request = std::move(send)}};
   return out;
 }
 
@@ -178,7 +180,7 @@ Result<ExitStatus> Service::plan_anew(HeldScan& held) {
   if (row->verdict == "review") return ExitStatus::Review;
   held.planned()->request.confidence = row->confidence.value_or(0);
   BITELINE_ASSIGN(cloud::ClosedLine line, cloud::read_line(folder / "line.csv"));
-  BITELINE_ASSIGN(plan.request.mounted, mounted());
+  BITELINE_ASSIGN(plan.request.mounted, mounted(plan.request.process));
   plan.request.table_z_mm = plan.request.mounted.table_z_mm.value_or(robot_->options.table_z_mm);
   BITELINE_ASSIGN(plan, plan_again(folder / "path", plan.request, std::move(line)));
   return plan.status;
@@ -199,7 +201,7 @@ Service::Worked Service::send_held(HeldScan held, const robot::Word& word) {
   planned.request.approved = word;
   planned.request.holds_arm = holds_arm();
   Result<ExitStatus> status = without_exceptions([&]() -> Result<ExitStatus> {
-    BITELINE_ASSIGN(planned.request.mounted, mounted());
+    BITELINE_ASSIGN(planned.request.mounted, mounted(planned.plan.request.process));
     const auto learn = [&](const path::ForceTold& told) {
       learn_force(held.scan.chosen, held.name(), planned.plan.request.process, told);
     };
@@ -208,14 +210,16 @@ Service::Worked Service::send_held(HeldScan held, const robot::Word& word) {
   });
   if (was_sent(folder)) {
     end_recording(held.scan.intake, ExitStatus::Done);
-    const bool looks = status && *status == ExitStatus::Done && looks_after(held.scan.chosen);
-    const Remembered told = remember(folder, "accepted", held.scan.chosen, {.goes_on = looks});
+    const Chosen& chosen = held.scan.chosen;
+    const bool goes_on = status && *status == ExitStatus::Done && goes_on_after(chosen);
+    const Remembered told = remember(folder, "accepted", chosen, {.goes_on = goes_on});
+    const std::string cut = cut_off(folder, chosen, status);
     Worked worked{.status = std::move(status), .held = {}, .end = told.end};
-    if (looks)
-      worked.after = AfterWork{.folder = folder,
-                               .chosen = held.scan.chosen,
-                               .mark = held.scan.mark,
-                               .planned = std::move(planned)};
+    if (!cut.empty()) return ask_a_person(std::move(worked), cut);
+    if (!goes_on) return worked;
+    AfterWork after{.scan = std::move(held.scan), .planned = std::move(planned)};
+    if (!looks_after(after.scan.chosen)) return begin_step(std::move(after));
+    worked.after = std::move(after);
     return worked;
   }
   if (held.scan.mark.stopped()) {

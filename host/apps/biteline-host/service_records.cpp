@@ -99,8 +99,9 @@ Service::Remembered Service::remember(const fs::path& folder, const std::string&
   }
   // Also where no door is open and nothing waits.
   const bool has_line = row->verdict == "ok" || row->verdict == "amber" || row->verdict == "review";
-  const std::string twice =
-      has_line && !row->sent ? worked_before(cockpit_->memory(), row->name, row->part) : "";
+  const std::string twice = has_line && !row->sent && chosen.follows.empty()
+                                ? worked_before(cockpit_->memory(), row->name, row->part)
+                                : "";
   if (!twice.empty() && !row->reason_code.empty()) {
     row->reason += "; " + twice;
   } else if (!twice.empty()) {

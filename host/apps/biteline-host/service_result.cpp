@@ -26,12 +26,16 @@ std::string hash_of(const std::optional<release::InForce>& release) {
 
 }  // namespace
 
+const Service::Chosen& Service::chosen_of(const WorkedOut& out, const Scan& scan) {
+  return out.held ? out.held->scan.chosen : out.after ? out.after->scan.chosen : scan.chosen;
+}
+
 Service::Worked Service::work_out(Scan scan) {
   cockpit_->show("works out the line of " + scan.folder.filename().string(),
                  robot_ ? "its path" : "the next scan");
   const fs::path folder = scan.folder;
   WorkedOut out = work_out_files(scan);
-  Chosen chosen = out.held ? out.held->scan.chosen : scan.chosen;
+  Chosen chosen = chosen_of(out, scan);
   return close_result(std::move(out), folder, std::move(chosen));
 }
 
@@ -45,7 +49,7 @@ Service::Worked Service::close_result(WorkedOut out, const fs::path& folder, Cho
     if (out.held) out.held->scan.chosen.written = chosen.written;
     if (Planned* const planned = out.held ? out.held->planned() : nullptr)
       planned->request.written = chosen.written;
-    if (out.after) out.after->chosen.written = out.after->planned.request.written = chosen.written;
+    if (out.after) out.after->scan.chosen.written = out.after->planned.request.written = chosen.written;
   } else {
     complain(now.error());
   }
@@ -53,10 +57,12 @@ Service::Worked Service::close_result(WorkedOut out, const fs::path& folder, Cho
                                    {.goes_on = out.after.has_value()}, out.held ? &*out.held : nullptr);
   if (!told.waits) out.held.reset();
   if (const Result<void> room = make_room(); !room) complain(room.error());
-  return {.status = std::move(out.status),
-          .held = std::move(out.held),
-          .end = told.end,
-          .after = std::move(out.after)};
+  const std::string cut = cut_off(folder, chosen, out.status);
+  Worked worked{.status = std::move(out.status), .held = std::move(out.held), .end = told.end};
+  if (!cut.empty()) return ask_a_person(std::move(worked), cut);
+  if (out.after && !looks_after(chosen)) return begin_step(std::move(*out.after));
+  worked.after = std::move(out.after);
+  return worked;
 }
 
 Service::Worked Service::hold_again(Result<ExitStatus> status, HeldScan held, const std::string& failed) {
@@ -118,7 +124,7 @@ Service::WorkedOut Service::work_out_files(Scan& scan) {
     return ExitStatus::Done;
   });
   if (!pages) complain(pages.error());
-  check_own_calibration(out.held ? out.held->scan : scan, outcome);
+  check_own_calibration(out.held ? out.held->scan : out.after ? out.after->scan : scan, outcome);
   return out;
 }
 
@@ -362,7 +368,7 @@ Service::Worked Service::work_named(HeldScan held, const std::string& model) {
     return line.status;
   });
   out.status = status;
-  Chosen worked = out.held ? out.held->scan.chosen : scan.chosen;
+  Chosen worked = chosen_of(out, scan);
   return close_result(std::move(out), folder, std::move(worked));
 }
 

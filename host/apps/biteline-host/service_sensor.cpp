@@ -59,7 +59,7 @@ Result<void> Service::hear_sensor() {
     }
     // A stop that came while the robot was asked is one.
     const std::optional<robot::StopMark> mark = looks()      ? held_->scan.mark
-                                                : inspects() ? after_->mark
+                                                : inspects() ? after_->scan.mark
                                                              : cockpit_->begin_cycle();
     if (mark && !mark->stopped()) {
       cockpit_->enter(CellEvent::Asks);

@@ -31,6 +31,7 @@ Service::Worked Service::plan_with(HeldScan held, const std::string& process, co
     other.taught = true;
     other.other_process.clear();
     BITELINE_TRY(choose_process(other));
+    BITELINE_TRY(take_following(other));
     chosen = std::move(other);
     // Where this shoe grows too old the next scan of it is worked so, too.
     order_taught(process, chosen);
@@ -65,7 +66,7 @@ Service::Worked Service::work_with(HeldScan held, const std::string& process, co
   cockpit_->show_model("", 0, {scan.chosen.process_name, scan.chosen.process_by});
   const std::filesystem::path folder = scan.folder;
   WorkedOut out = path_without_exceptions(scan, unnamed.outcome, unnamed.line, true);
-  Chosen worked = out.held ? out.held->scan.chosen : scan.chosen;
+  Chosen worked = chosen_of(out, scan);
   return close_result(std::move(out), folder, std::move(worked));
 }
 
@@ -78,7 +79,7 @@ Service::Worked Service::run_in_air(HeldScan held, const robot::Word& word) {
     std::filesystem::remove_all(folder, error);
     if (error) return fail_errno(Errc::WriteFailed, error.value(), "%.200s", folder.c_str());
     path::PlanRequest request = path::first_run(planned.plan.request);
-    BITELINE_ASSIGN(request.mounted, mounted());
+    BITELINE_ASSIGN(request.mounted, mounted(request.process));
     request.table_z_mm = request.mounted.table_z_mm.value_or(robot_->options.table_z_mm);
     cloud::ClosedLine line = request.line;
     BITELINE_ASSIGN(const PlanStep plan, plan_again(folder / "path", std::move(request), std::move(line)));
@@ -86,7 +87,7 @@ Service::Worked Service::run_in_air(HeldScan held, const robot::Word& word) {
     SendRequest send = planned.request;
     send.approved = word;
     send.holds_arm = holds_arm();
-    BITELINE_ASSIGN(send.mounted, mounted());
+    BITELINE_ASSIGN(send.mounted, mounted(plan.request.process));
     cockpit_->enter(CellEvent::AirSetsOut);
     return follow_path(folder, plan, send);
   });

@@ -22,14 +22,28 @@ constexpr const char* k_rework_folder = "rework";
 /// In the memory's settings: why a person must look before the next scan.
 constexpr const char* k_asks_key = "look_by_a_person";
 
-fs::path look_folder(const fs::path& scan, int number) {
-  return scan / k_work_folder / ("look-" + std::to_string(number));
-}
-
 std::string in_one_line(std::string words) {
   for (std::size_t at = words.find('\n'); at != std::string::npos; at = words.find('\n', at))
     words.replace(at, 1, "; ");
   return words;
+}
+
+/// A service before this one left it so, and nobody knows more.
+void close_book(WorkBook& book) {
+  const std::string next = std::exchange(book.next, {});
+  const bool at_work = std::exchange(book.at_work, false);
+  if (book.work.verdict == k_looking) {
+    book.work.verdict = k_not_looked;
+    book.told = report::told(
+        Refusal{.code = Refused::WorkNotLookedAt,
+                .reason = "not looked at: the service ended between the work and the look at it"});
+  } else {
+    book.told = report::told(
+        Refusal{.code = Refused::SequenceCut,
+                .reason = at_work ? "the service ended while the arm worked it"
+                                  : "the service ended before the shoe was worked with " + next});
+  }
+  if (!next.empty() && book.work.verdict == k_not_looked) book.told.reason += "; not worked with " + next;
 }
 
 }  // namespace
@@ -40,11 +54,22 @@ bool Service::looks_after(const Chosen& chosen) const {
 
 Result<ExitStatus> Service::follow_and_owe_look(const fs::path& folder, const Chosen& chosen,
                                                 const std::function<Result<ExitStatus>()>& follow) const {
-  if (!looks_after(chosen)) return follow();
+  const bool looks = looks_after(chosen);
+  if (!looks && !chosen.in_sequence()) return follow();
   // Before anything moves: a service after this one must know that the shoe may have been worked.
-  BITELINE_TRY(write_work(folder, {.work = {.verdict = k_looking}}));
+  WorkBook book{.work = {.verdict = looks ? k_looking : ""}, .at_work = true};
+  if (!chosen.following.empty()) book.next = chosen.following.front().process.name;
+  BITELINE_TRY(write_work(folder, book));
   Result<ExitStatus> status = follow();
-  if (!status || *status != ExitStatus::Done) forget_work(folder);
+  const bool done = status && *status == ExitStatus::Done;
+  if (!chosen.follows.empty() && was_sent(folder))
+    tell_next_scan(chosen.follows, folder.filename().string(), false);
+  if (!done || !goes_on_after(chosen)) {
+    forget_work(folder);
+  } else if (!looks) {
+    book.at_work = false;
+    BITELINE_TRY(write_work(folder, book));
+  }
   return status;
 }
 
@@ -53,14 +78,14 @@ bool Service::inspects() const {
 }
 
 Result<void> Service::begin_inspection(const intake::Hello& hello) {
-  const fs::path folder = look_folder(after_->folder, after_->looks + 1);
+  const fs::path folder = look_folder(after_->scan.folder, after_->looks + 1);
   std::error_code error;
   fs::remove_all(folder, error);
   BITELINE_TRY(report::prepare_folder(folder));
   BITELINE_ASSIGN(intake::ScanIntake intake, intake::ScanIntake::begin(folder, hello, link_->packet()));
   scan_.emplace(Scan{.folder = folder, .intake = std::move(intake), .line = {}, .connection = connection()});
   scan_->after_work = true;
-  scan_->mark = after_->mark;
+  scan_->mark = after_->scan.mark;
   asked_.reset();
   cockpit_->enter(CellEvent::ScanBegins);
   show_scan(*scan_);
@@ -86,10 +111,13 @@ Service::Worked Service::inspect_work(AfterWork after, Scan look) {
     const intake::ScanOutcome outcome = look.intake.finish();
     look.intake.forget();
     if (!look.stopped_by.empty()) why_not = "stopped by " + look.stopped_by;
-    if (why_not.empty() && after.mark.stopped()) why_not = "it was stopped";
+    if (why_not.empty() && after.scan.mark.stopped()) why_not = "it was stopped";
     if (why_not.empty() && outcome.failure) why_not = to_line(*outcome.failure);
     if (!why_not.empty()) return ExitStatus::Refused;
     BITELINE_ASSIGN(seen, inspect_files(after, outcome.cloud, look.ended.value_or(now())));
+    after.looked.reset();
+    if (seen->findings.moved.verdict == transfer::Moved::Verdict::Unmoved)
+      after.looked = Looked{.at = seen->at, .shows = shown_by(seen->findings.moved)};
     return seen->judged.status;
   });
   if (!done) return end_unlooked(std::move(after), book, to_line(done.error()));
@@ -99,7 +127,8 @@ Service::Worked Service::inspect_work(AfterWork after, Scan look) {
   book.work.reworked = after.reworked;
   book.told = seen->judged.told;
   say_step("%s: %s", name.c_str(), in_one_line(look::summary(seen->findings)).c_str());
-  const bool may = taken_of(after.chosen).process.after_work == path::AfterWork::Rework && !after.reworked;
+  const bool may =
+      taken_of(after.scan.chosen).process.after_work == path::AfterWork::Rework && !after.reworked;
   if (may && book.work.verdict == "faulty" && *book.work.missing_mm > 0)
     return rework(std::move(after), *seen, std::move(book));
   return end_work(std::move(after), std::move(book), done);
@@ -107,13 +136,13 @@ Service::Worked Service::inspect_work(AfterWork after, Scan look) {
 
 Result<Service::Inspected> Service::inspect_files(const AfterWork& after, const cloud::PointCloud& seen,
                                                   HostClock::time_point at) const {
-  const fs::path folder = look_folder(after.folder, after.looks + 1);
+  const fs::path folder = look_folder(after.scan.folder, after.looks + 1);
   report::Report report;
   BITELINE_ASSIGN(const cloud::PointCloud first,
-                  report.timed("read", [&] { return cloud::read_cloud(after.folder / "cloud.ply"); }));
+                  report.timed("read", [&] { return cloud::read_cloud(after.scan.folder / "cloud.ply"); }));
   const cloud::ClosedLine& line = after.planned.plan.request.line;
   Inspected inspected{.at = at};
-  BITELINE_ASSIGN(inspected.plan, look::planned_band(line, process_of(after.chosen), {}));
+  BITELINE_ASSIGN(inspected.plan, look::planned_band(line, process_of(after.scan.chosen), {}));
   const path::PlannedPath& path = after.planned.plan.outcome.path->path();
   inspected.plan.middle_base = look::middle_of(path);
   if (const auto seam = look::seam_of(path, line)) inspected.plan.twice.push_back(*seam);
@@ -123,10 +152,10 @@ Result<Service::Inspected> Service::inspect_files(const AfterWork& after, const 
   look::LookOf of{.first = after.name(),
                   .second = folder.filename().string(),
                   .line_sha256 = {},
-                  .process_sha256 = taken_of(after.chosen).sha256,
-                  .foot = after.chosen.foot,
+                  .process_sha256 = taken_of(after.scan.chosen).sha256,
+                  .foot = after.scan.chosen.foot,
                   .reworks = after.reworked ? 1U : 0U};
-  BITELINE_ASSIGN(of.line_sha256, digest_of_file(after.folder / "line.csv"));
+  BITELINE_ASSIGN(of.line_sha256, digest_of_file(after.scan.folder / "line.csv"));
   BITELINE_ASSIGN(inspected.judged,
                   look::write_look_result(folder, inspected.findings, inspected.plan, of, report));
   BITELINE_TRY(report.write(folder));
@@ -151,7 +180,7 @@ Service::Worked Service::rework(AfterWork after, const Inspected& seen, WorkBook
     after.reworked = true;
     return {.status = status, .held = {}, .end = {}, .after = std::move(after)};
   }
-  const fs::path folder = after.folder / k_work_folder / k_rework_folder;
+  const fs::path folder = after.scan.folder / k_work_folder / k_rework_folder;
   if (!was_sent(folder)) {
     if (!status) why_not = to_line(status.error());
     return leave(why_not, ExitStatus::Review);
@@ -168,12 +197,12 @@ Service::Worked Service::rework(AfterWork after, const Inspected& seen, WorkBook
 Result<ExitStatus> Service::follow_rework(const AfterWork& after, const Inspected& seen,
                                           const second_look::Rework& pieces, std::string& why_not) {
   const std::string name = after.name();
-  const fs::path folder = after.folder / k_work_folder / k_rework_folder;
+  const fs::path folder = after.scan.folder / k_work_folder / k_rework_folder;
   cockpit_->show("plans what is missing of " + name, "the arm works it once more");
   path::PlanRequest request = after.planned.plan.request;
   for (const second_look::ReworkPiece& piece : pieces.pieces)
     request.process.only.push_back({.from_mm = piece.along.from_mm, .to_mm = piece.along.to_mm});
-  BITELINE_ASSIGN(request.mounted, mounted());
+  BITELINE_ASSIGN(request.mounted, mounted(request.process));
   request.table_z_mm = request.mounted.table_z_mm.value_or(robot_->options.table_z_mm);
   cloud::ClosedLine line = request.line;
   BITELINE_ASSIGN(const PlanStep plan, plan_again(folder / "path", std::move(request), std::move(line)));
@@ -183,15 +212,13 @@ Result<ExitStatus> Service::follow_rework(const AfterWork& after, const Inspecte
   }
   // Once, whatever comes of it: before the path is sent.
   BITELINE_TRY(
-      look::record_rework(after.folder, {.look_sha256 = seen.sha256, .pieces = pieces.pieces.size()}));
+      look::record_rework(after.scan.folder, {.look_sha256 = seen.sha256, .pieces = pieces.pieces.size()}));
   SendRequest send = after.planned.request;
   send.mounted = plan.request.mounted;
   send.holds_arm = holds_arm();
   // A person's yes was to the path before.
   send.approved.reset();
-  send.looked.reset();
-  if (seen.findings.moved.verdict == transfer::Moved::Verdict::Unmoved)
-    send.looked = Looked{.at = seen.at, .shows = shown_by(seen.findings.moved)};
+  send.looked = after.looked;
   say_step("%s: %zu pieces are worked once more", name.c_str(), pieces.pieces.size());
   cockpit_->enter(CellEvent::ArmSetsOut);
   cockpit_->show("the arm works once more what is missing of " + name, "a look at it");
@@ -211,24 +238,25 @@ Service::Worked Service::end_unlooked(AfterWork after, WorkBook book, const std:
 
 Service::Worked Service::end_work(AfterWork after, WorkBook book, Result<ExitStatus> status) {
   const std::string name = after.name();
-  if (const Result<void> written = write_work(after.folder, book); !written) complain(written.error());
+  const Chosen& chosen = after.scan.chosen;
   const bool asks = book.work.verdict != k_work_ok;
+  const bool follows = !chosen.following.empty();
+  if (follows && asks) book.told.reason += "; not worked with " + chosen.following.front().process.name;
+  if (follows && !asks) book.next = chosen.following.front().process.name;
+  if (const Result<void> written = write_work(after.scan.folder, book); !written) complain(written.error());
   const std::string words = name + ": " + (asks ? book.told.reason : "all of the band is worked");
-  say_step("%s%s", words.c_str(), asks ? "; a person must look before the next scan" : "");
   if (asks && !cockpit_->has_doors())
     say_step("no door is open: start the service again once a person has looked");
-  cockpit_->show_work(words, asks);
+  Worked worked{.status = std::move(status)};
   // Before doors hear of it: a start that comes after the row is a word about it.
   if (asks) {
-    keep_asking(words);
-    cockpit_->enter(CellEvent::AsksPerson);
+    worked = ask_a_person(std::move(worked), words);
+  } else {
+    say_step("%s", words.c_str());
+    cockpit_->show_work(words, false);
   }
-  const Remembered told = remember(after.folder, "open", after.chosen, {});
-  return {.status = std::move(status),
-          .held = {},
-          .end = told.end,
-          .after = {},
-          .asks = asks ? words : std::string{}};
+  worked.end = remember(after.scan.folder, "open", chosen, {.goes_on = follows && !asks}).end;
+  return follows && !asks ? begin_step(std::move(after)) : std::move(worked);
 }
 
 void Service::keep_asking(const std::string& words) const {
@@ -241,6 +269,26 @@ void Service::keep_asking(const std::string& words) const {
                                                            .subject = "cell",
                                                            .before = {},
                                                            .after = words.empty() ? "done" : "asked for"});
+  if (!put) complain(put.error());
+}
+
+void Service::close_held_step(const std::string& scan, const report::ToldRefusal& told) const {
+  if (scan.empty()) return;
+  const Result<std::optional<memory::Scan>> known = cockpit_->memory().scan(scan);
+  if (!known || !*known || (*known)->decision != "held") return;
+  memory::Scan row = **known;
+  row.decision = "open";
+  row.reason_code = told.reason_code;
+  row.reason = told.reason;
+  row.next_step = told.next_step;
+  const Result<void> put = cockpit_->memory().put_scan(row, {.id = 0,
+                                                             .time = memory::now_ms(),
+                                                             .who = "service",
+                                                             .door = {},
+                                                             .action = "result",
+                                                             .subject = scan,
+                                                             .before = "held",
+                                                             .after = row.decision});
   if (!put) complain(put.error());
 }
 
@@ -258,16 +306,18 @@ void Service::close_owed_looks() {
       complain(book.error());
       continue;
     }
-    if (!*book || (*book)->work.verdict != k_looking) continue;
-    if (!was_sent(folder)) {
+    if (!*book) continue;
+    const bool begun = (*book)->work.verdict == k_looking || (*book)->at_work;
+    if (begun && !was_sent(folder)) {
       forget_work(folder);
       continue;
     }
+    const std::string& next_scan = (*book)->next_scan;
+    const bool owes_step =
+        !(*book)->next.empty() && (next_scan.empty() || !was_sent(options_.out / next_scan));
+    if (!begun && !owes_step) continue;
     const std::string name = folder.filename().string();
-    (*book)->work.verdict = k_not_looked;
-    (*book)->told = report::told(
-        Refusal{.code = Refused::WorkNotLookedAt,
-                .reason = "not looked at: the service ended between the work and the look at it"});
+    close_book(**book);
     if (const Result<void> written = write_work(folder, **book); !written) complain(written.error());
     const Result<std::optional<memory::Scan>> known = cockpit_->memory().scan(name);
     std::optional<memory::Scan> row = row_of(folder);
@@ -292,6 +342,7 @@ void Service::close_owed_looks() {
       if (!put) complain(put.error());
     }
     asks_ = name + ": " + (*book)->told.reason;
+    close_held_step((*book)->next_scan, (*book)->told);
   }
   if (asks_.empty()) return;
   say_step("%s", asks_.c_str());

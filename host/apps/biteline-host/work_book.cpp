@@ -52,14 +52,25 @@ memory::Work work_of(const second_look::Findings& findings, ExitStatus judged) {
   return work;
 }
 
+fs::path look_folder(const fs::path& scan, int number) {
+  return scan / k_work_folder / ("look-" + std::to_string(number));
+}
+
 Result<void> write_work(const fs::path& scan, const WorkBook& book) {
-  const WorkJson json{
-      {"verdict", book.work.verdict},         {"looks", book.looks},
-      {"reworked", book.work.reworked},       {"missing_mm", api::or_null(book.work.missing_mm)},
-      {"narrow", book.work.narrow},           {"wide", book.work.wide},
-      {"beside", book.work.beside},           {"doubled", book.work.doubled},
-      {"reason_code", book.told.reason_code}, {"reason", book.told.reason},
-      {"next_step", book.told.next_step}};
+  const WorkJson json{{"verdict", book.work.verdict},
+                      {"looks", book.looks},
+                      {"reworked", book.work.reworked},
+                      {"missing_mm", api::or_null(book.work.missing_mm)},
+                      {"narrow", book.work.narrow},
+                      {"wide", book.work.wide},
+                      {"beside", book.work.beside},
+                      {"doubled", book.work.doubled},
+                      {"reason_code", book.told.reason_code},
+                      {"reason", book.told.reason},
+                      {"next_step", book.told.next_step},
+                      {"at_work", book.at_work},
+                      {"next", book.next},
+                      {"next_scan", book.next_scan}};
   BITELINE_TRY(report::prepare_folder(scan / k_work_folder));
   return report::write_file_atomically(scan / k_work_folder / k_work_file, report::to_text(json) + "\n");
 }
@@ -70,7 +81,7 @@ Result<std::optional<WorkBook>> read_work(const fs::path& scan) {
   if (!fs::exists(file, error)) return std::optional<WorkBook>{};
   BITELINE_ASSIGN(const std::string text, read_regular_file(file, k_most_settings_bytes));
   const WorkJson json = WorkJson::parse(text, nullptr, false);
-  if (!json.is_object() || word_of(json, "verdict").empty())
+  if (!json.is_object() || !json.contains("verdict") || !json["verdict"].is_string())
     return fail(Errc::BadFormat, "%.200s: 'verdict' expected", file.c_str());
   WorkBook book{.work = {.verdict = word_of(json, "verdict"),
                          .narrow = number_of(json, "narrow"),
@@ -80,7 +91,11 @@ Result<std::optional<WorkBook>> read_work(const fs::path& scan) {
                 .looks = number_of(json, "looks"),
                 .told = {.reason_code = word_of(json, "reason_code"),
                          .reason = word_of(json, "reason"),
-                         .next_step = word_of(json, "next_step")}};
+                         .next_step = word_of(json, "next_step")},
+                .next = word_of(json, "next"),
+                .next_scan = word_of(json, "next_scan")};
+  if (const auto at_work = json.find("at_work"); at_work != json.end() && at_work->is_boolean())
+    book.at_work = at_work->get<bool>();
   if (const auto reworked = json.find("reworked"); reworked != json.end() && reworked->is_boolean())
     book.work.reworked = reworked->get<bool>();
   if (const auto missing = json.find("missing_mm"); missing != json.end() && missing->is_number())

@@ -2,6 +2,7 @@
 #pragma once
 /// \file What the service knows of the work on a shoe: `work/work.json` in its scan's folder.
 ///
+/// It is there for a process that is looked at, and for each of several processes for one shoe.
 /// It is there from before the path is sent until the folder goes.  One that still says "looking" when a
 /// service starts is of a shoe that was worked and never looked at: it is not worked again by itself.
 
@@ -26,10 +27,16 @@ struct WorkBook {
   memory::Work work{};
   int looks{0};                ///< that were worked out
   report::ToldRefusal told{};  ///< why a person must look; empty: nobody need to
+  bool at_work{false};         ///< the arm was sent out, and has not come to its end yet
+  std::string next{};          ///< the process that the shoe is to be worked with then; empty: none is open
+  std::string next_scan{};     ///< its result; empty: not yet begun
 };
 
 /// Verdict and figures of what a look found.  `judged`: as look::write_look_result() says.
 [[nodiscard]] memory::Work work_of(const second_look::Findings& findings, ExitStatus judged);
+
+/// Of a scan's looks, from 1.
+[[nodiscard]] std::filesystem::path look_folder(const std::filesystem::path& scan, int number);
 
 [[nodiscard]] Result<void> write_work(const std::filesystem::path& scan, const WorkBook& book);
 /// Nothing where there is none.

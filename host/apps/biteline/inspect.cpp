@@ -24,8 +24,7 @@ namespace fs = std::filesystem;
 struct InspectOptions {
   fs::path first, second, process, out;
   std::string foot;
-  std::optional<double> offset_mm, width_mm;
-  double tolerance_mm{second_look::PlannedBand{}.tolerance_mm};
+  std::optional<double> offset_mm, width_mm, tolerance_mm;
 };
 
 Result<cloud::PointCloud> read_cloud_near(const fs::path& file) {
@@ -118,9 +117,10 @@ void add_inspect(options::Command& app, Context& context) {
       ->add_option("--width-mm", options->width_mm,
                    "The band's width on the surface; else as the process says")
       ->check(options::number({.minimum = 1, .maximum = 200}, "mm"));
-  command->add_option("--tolerance-mm", options->tolerance_mm, "An edge farther off is a fault")
-      ->check(options::number({.minimum = 0.1, .maximum = 20}, "mm"))
-      ->capture_default_str();
+  command
+      ->add_option("--tolerance-mm", options->tolerance_mm,
+                   "An edge farther off is a fault; else as the process says")
+      ->check(options::number({.minimum = 0.1, .maximum = 20}, "mm"));
   command->callback([options, &context] {
     context.run = [options, &context] { return inspect(*options, context.options); };
   });

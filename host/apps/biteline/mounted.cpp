@@ -19,7 +19,7 @@ using Lesson = kinematics::TouchLesson;
 
 struct MountedOptions {
   fs::path results, touches;
-  std::string teach, forget, arm, who;
+  std::string teach, forget, mount, arm, who;
   std::vector<double> payload;  // kg, then the centre in the flange [mm]
 };
 
@@ -91,7 +91,12 @@ std::string words_of(const mounted::Taught& how) {
 
 std::string words_of(const mounted::Record& record) {
   using Text = FixedText<200>;
-  std::string words = "tip      ";
+  std::string words = "tool     ";
+  words += record.tool ? record.tool->name + words_of(record.tool->how) : "nobody has said which is mounted";
+  if (!record.shelf.empty()) words += "\nshelf    ";
+  for (const auto& [name, taught] : record.shelf)
+    words += (name == record.shelf.begin()->first ? "" : ", ") + name;
+  words += "\ntip      ";
   if (record.tip) {
     const Vec3& tip = record.tip->tip_flange;
     words +=
@@ -124,7 +129,7 @@ Result<ExitStatus> show(const mounted::Record& record, report::Report& report, c
 Result<ExitStatus> run_mounted(const MountedOptions& options, const GlobalOptions& global) {
   report::Report report;
   const fs::path file = options.results / memory::k_memory_file;
-  if (options.teach.empty() && options.forget.empty() && options.payload.empty()) {
+  if (options.teach.empty() && options.forget.empty() && options.mount.empty() && options.payload.empty()) {
     BITELINE_ASSIGN(const memory::Memory memory, memory::Memory::open_to_read(file));
     BITELINE_ASSIGN(const mounted::Record record, mounted::read_record(memory));
     return show(record, report, global);
@@ -143,6 +148,10 @@ Result<ExitStatus> run_mounted(const MountedOptions& options, const GlobalOption
                     mounted::forget(memory, *mounted::part_of(options.forget), hand));
     return show(record, report, global);
   }
+  if (!options.mount.empty()) {
+    BITELINE_ASSIGN(const mounted::Record record, mounted::mount_tool(memory, options.mount, hand));
+    return show(record, report, global);
+  }
   if (!options.payload.empty()) {
     const path::Payload payload{
         .mass_kg = options.payload[0],
@@ -159,7 +168,7 @@ Result<ExitStatus> run_mounted(const MountedOptions& options, const GlobalOption
 void add_mounted(options::Command& app, Context& context) {
   auto options = std::make_shared<MountedOptions>();
   options::Command* command = app.add_subcommand(
-      "mounted", "What is mounted at a cell: tool tip, payload and table, shown and taught");
+      "mounted", "What is mounted at a cell: the tool, its tip and payload, and the table, shown and taught");
   command->add_option("results", options->results, "The service's --out folder")->required();
   auto* teach = command
                     ->add_option("--teach", options->teach,
@@ -181,10 +190,16 @@ void add_mounted(options::Command& app, Context& context) {
                       ->check(options::number({.minimum = -1000, .maximum = 1000}, "kg, mm"))
                       ->expected(4)
                       ->excludes(teach);
+  auto* mount = command
+                    ->add_option("--mount", options->mount,
+                                 "This tool is mounted now: tip and payload are what was taught of it")
+                    ->excludes(teach)
+                    ->excludes(payload);
   command
       ->add_option("--forget", options->forget, "Forget what was taught of this part: it is checked no more")
-      ->check(options::one_of({"tip", "payload", "table"}))
+      ->check(options::one_of({"tip", "payload", "table", "tool"}))
       ->excludes(teach)
+      ->excludes(mount)
       ->excludes(payload);
   command->add_option("--who", options->who, "Whose hand it is; default: this user");
   command->callback([options, &context] {

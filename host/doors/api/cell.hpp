@@ -159,6 +159,9 @@ class Cell {
   /// Where the arm stands and what its controller carries; it is read, and takes up to some seconds.
   /// Errc::WrongState without an arm, while it moves, and while it follows a path.
   [[nodiscard]] virtual Result<robot::ur::ArmLook> look_at_arm() = 0;
+  /// Another tool is mounted, as a person said, or nobody knows which: what waits may be sent now, or no
+  /// more.
+  virtual void tool_mounted() = 0;
   /// It waits or is worked on.
   [[nodiscard]] virtual bool rerun_open(const std::string& scan, int number) = 0;
 };

@@ -2,6 +2,7 @@
 #include "host/doors/api/mounted.hpp"
 
 #include "common/core/fixed_text.hpp"
+#include "common/core/text_bounds.hpp"
 #include "host/doors/api/api.hpp"
 #include "host/doors/api/words.hpp"
 #include "host/records/mounted/mounted_record.hpp"
@@ -36,7 +37,7 @@ Json look_json(const std::optional<robot::ur::ArmLook>& look, const mounted::Rec
   json["payload_centre_mm"] = list(look->payload->centre_flange_mm);
   path::Process carried;
   carried.tool.payload = look->payload;
-  if (const std::optional<bool> same = path::carries_as_taught(carried, record.mounted()))
+  if (const std::optional<bool> same = path::carries_as_taught(carried, record.mounted({})))
     json["carries_as_taught"] = *same;
   return json;
 }
@@ -162,12 +163,25 @@ Answer MountedRoom::keep(const std::string& part, const Json& body, const std::s
   return read();
 }
 
+Answer MountedRoom::mount(const Json& body, const std::string& who, const std::string& door) {
+  Fields fields{body};
+  const std::string tool = fields.text("name", bounds::k_name, true);
+  if (const std::optional<Answer> faults = fields.faults()) return *faults;
+  const auto kept = mounted::mount_tool(memory_, tool, {.who = who, .door = door});
+  if (!kept) return answer_of(kept.error());
+  // Touches of the tool before are none of this one.
+  lesson_.end();
+  cell_.tool_mounted();
+  return read();
+}
+
 Answer MountedRoom::forget(const std::string& part, const std::string& who, const std::string& door) {
   const std::optional<mounted::Part> which = mounted::part_of(part);
   if (!which) return no_such_part();
   const auto kept = mounted::forget(memory_, *which, {.who = who, .door = door});
   // A table is not touched with a tip that nobody knows any more.
   if (kept && *which == mounted::Part::Tip && lesson_.part() == Lesson::Part::Table) lesson_.end();
+  if (kept && *which == mounted::Part::Tool) cell_.tool_mounted();
   return kept ? read() : answer_of(kept.error());
 }
 
@@ -182,6 +196,12 @@ Answer Api::end_lesson(const Call&) {
 }
 Answer Api::keep_mounted(const Call& call) {
   return mounted_.keep(call.names.front(), call.request.body, call.person.name, call.request.door);
+}
+Answer Api::mount_tool(const Call& call) {
+  return mounted_.mount(call.request.body, call.person.name, call.request.door);
+}
+Answer Api::forget_tool(const Call& call) {
+  return mounted_.forget("tool", call.person.name, call.request.door);
 }
 Answer Api::forget_mounted(const Call& call) {
   return mounted_.forget(call.names.front(), call.person.name, call.request.door);

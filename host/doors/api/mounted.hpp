@@ -24,6 +24,8 @@ class MountedRoom {
   [[nodiscard]] control::Answer end_lesson();
   [[nodiscard]] control::Answer keep(const std::string& part, const Json& body, const std::string& who,
                                      const std::string& door);
+  /// A person has mounted this tool.
+  [[nodiscard]] control::Answer mount(const Json& body, const std::string& who, const std::string& door);
   [[nodiscard]] control::Answer forget(const std::string& part, const std::string& who,
                                        const std::string& door);
 

@@ -21,6 +21,7 @@ struct Help {
 
 constexpr std::array k_help{
     Help{"name", "Words for people"},
+    Help{"tool.name", "Name of the tool that must be mounted; empty: nobody asks"},
     Help{"tool.tcp_position_mm", "Tip of the tool, seen from the flange"},
     Help{"tool.tcp_rotation_deg", "Turn of the tool against the flange, as a rotation vector"},
     Help{"tool.body_radius_mm", "Radius of the tool's body, round its axis"},
@@ -70,6 +71,8 @@ constexpr std::array k_help{
     Help{"start", "Where the closed line is entered"},
     Help{"after_work",
          "What follows the work: nothing, a second look, or a look and once more what is missing"},
+    Help{"look_tolerance_mm", "Of the second look: an edge farther off its place is a fault"},
+    Help{"next_process", "Process that the same shoe is worked with then; empty: none"},
     Help{"foot", "The foot that stretches are told on; on the other one they are mirrored"},
     Help{"zones", "Parts of the line that are worked in their own way, or left out; the first one counts"},
     Help{"zones[].name", "Words for people"},

@@ -87,7 +87,7 @@ Result<second_look::PlannedBand> planned_band(const cloud::ClosedLine& line, con
       .high_mm = middle_mm + width_mm / 2,
       .left_out = arcs_where(work, step_mm, [](const path::PlaceWork& place) { return place.left_out; }),
       .twice = arcs_where(work, step_mm, passes_more),
-      .tolerance_mm = wish.tolerance_mm};
+      .tolerance_mm = wish.tolerance_mm.value_or(process.look_tolerance_mm)};
 }
 
 std::vector<Vec3> middle_of(const path::PlannedPath& path) {

@@ -15,9 +15,9 @@ namespace biteline::look {
 
 /// What replaces the process's own; ways across on the surface, as in second_look.hpp.
 struct BandWish {
-  std::optional<double> offset_mm{};  ///< of the band's middle above the line; none: placement.up_mm
-  std::optional<double> width_mm{};   ///< none: what the process's coverage tells
-  double tolerance_mm{second_look::PlannedBand{}.tolerance_mm};
+  std::optional<double> offset_mm{};     ///< of the band's middle above the line; none: placement.up_mm
+  std::optional<double> width_mm{};      ///< none: what the process's coverage tells
+  std::optional<double> tolerance_mm{};  ///< none: look_tolerance_mm
 };
 
 /// `process` as it lies on the shoe's foot.  Errc::InvalidArgument names why it cannot be compared: a zone

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cmath>
+#include <utility>
 
 namespace biteline::mounted {
 namespace {
@@ -10,7 +11,9 @@ namespace {
 using nlohmann::ordered_json;
 
 constexpr const char* k_key = "mounted";
-constexpr std::array k_parts{"tip", "payload", "table"};
+constexpr std::array k_parts{"tip", "payload", "table", "tool"};
+/// Older records know no names.
+constexpr std::size_t k_parts_always = 3;
 constexpr double k_farthest_mm = 1000;  // as of a process's tip and centre of mass
 constexpr double k_most_kg = 20;
 constexpr double k_highest_mm = 5000;  // of a table, from the robot's base
@@ -100,13 +103,19 @@ Taught taught(const Record& before, const Hand& hand) {
 
 }  // namespace
 
-path::Mounted Record::mounted() const {
+path::Mounted Record::mounted(const std::string& name) const {
   path::Mounted out;
-  if (tip) {
-    out.tip_flange = tip->tip_flange;
-    out.tip_u95_mm = tip->how.u95_mm;
+  if (tool) out.tool = tool->name;
+  const bool other = !name.empty() && out.tool != name;
+  const auto found = shelf.find(name);
+  const ShelvedTool taught = !other                 ? ShelvedTool{.tip = tip, .payload = payload}
+                             : found == shelf.end() ? ShelvedTool{}
+                                                    : found->second;
+  if (taught.tip) {
+    out.tip_flange = taught.tip->tip_flange;
+    out.tip_u95_mm = taught.tip->how.u95_mm;
   }
-  if (payload) out.payload = payload->payload;
+  if (taught.payload) out.payload = taught.payload->payload;
   if (table) out.table_z_mm = table->z_mm;
   return out;
 }
@@ -121,19 +130,81 @@ std::optional<Part> part_of(const std::string& name) {
   return std::nullopt;
 }
 
+namespace {
+
+ordered_json json_of(const std::optional<Tip>& tip) {
+  ordered_json json;
+  if (!tip) return json;
+  json["at_mm"] = list(tip->tip_flange);
+  tell(tip->how, json);
+  return json;
+}
+
+ordered_json json_of(const std::optional<Load>& load) {
+  ordered_json json;
+  if (!load) return json;
+  json["kg"] = load->payload.mass_kg;
+  json["centre_mm"] = list(load->payload.centre_flange_mm);
+  tell(load->how, json);
+  return json;
+}
+
+std::optional<Tip> tip_of(const ordered_json& json, bool& good) {
+  if (!json.is_object()) return std::nullopt;
+  return Tip{.tip_flange = Reader{json, good}.vector("at_mm"), .how = Reader{json, good}.how()};
+}
+
+std::optional<Load> load_of(const ordered_json& json, bool& good) {
+  if (!json.is_object()) return std::nullopt;
+  return Load{.payload = {.mass_kg = Reader{json, good}.number("kg", 0, k_most_kg),
+                          .centre_flange_mm = Reader{json, good}.vector("centre_mm")},
+              .how = Reader{json, good}.how()};
+}
+
+/// Null or an object; of anything else nobody knows what was taught.
+bool is_part(const ordered_json& json, const char* name) {
+  const auto found = json.find(name);
+  return found != json.end() && (found->is_null() || found->is_object());
+}
+
+void read_tools(const ordered_json& json, Record& record, bool& good) {
+  if (const auto tool = json.find("tool"); tool != json.end() && !tool->is_null()) {
+    good = good && tool->is_object() && tool->contains("name") && (*tool)["name"].is_string();
+    if (good)
+      record.tool = MountedTool{.name = (*tool)["name"].get<std::string>(), .how = Reader{*tool, good}.how()};
+  }
+  const auto shelf = json.find("shelf");
+  if (shelf == json.end()) return;
+  good = good && shelf->is_object();
+  if (!good) return;
+  for (const auto& [name, taught] : shelf->items()) {
+    good = good && taught.is_object() && is_part(taught, "tip") && is_part(taught, "payload");
+    if (good)
+      record.shelf[name] = {.tip = tip_of(taught["tip"], good), .payload = load_of(taught["payload"], good)};
+  }
+}
+
+/// What is mounted goes with its name; without one it stays where it is.
+void shelve(Record& record) {
+  if (!record.tool) return;
+  record.shelf[record.tool->name] = {.tip = std::exchange(record.tip, {}),
+                                     .payload = std::exchange(record.payload, {})};
+  record.tool.reset();
+}
+
+}  // namespace
+
 ordered_json to_json(const Record& record, Part part) {
   ordered_json json;
   switch (part) {
     case Part::Tip:
-      if (!record.tip) return json;
-      json["at_mm"] = list(record.tip->tip_flange);
-      tell(record.tip->how, json);
-      return json;
+      return json_of(record.tip);
     case Part::Payload:
-      if (!record.payload) return json;
-      json["kg"] = record.payload->payload.mass_kg;
-      json["centre_mm"] = list(record.payload->payload.centre_flange_mm);
-      tell(record.payload->how, json);
+      return json_of(record.payload);
+    case Part::Tool:
+      if (!record.tool) return json;
+      json["name"] = record.tool->name;
+      tell(record.tool->how, json);
       return json;
     case Part::Table:
       if (!record.table) return json;
@@ -146,7 +217,12 @@ ordered_json to_json(const Record& record, Part part) {
 }
 
 ordered_json to_json(const Record& record) {
+  ordered_json shelf = ordered_json::object();
+  for (const auto& [name, taught] : record.shelf)
+    shelf[name] = {{"tip", json_of(taught.tip)}, {"payload", json_of(taught.payload)}};
   return {{"version", record.version},
+          {"tool", to_json(record, Part::Tool)},
+          {"shelf", std::move(shelf)},
           {"tip", to_json(record, Part::Tip)},
           {"payload", to_json(record, Part::Payload)},
           {"table", to_json(record, Part::Table)}};
@@ -158,17 +234,12 @@ Result<Record> read_record(const memory::Memory& memory) {
   if (!text) return record;
   const ordered_json json = ordered_json::parse(*text, nullptr, false);
   bool good = json.is_object();
-  // Null is not taught; of anything else nobody knows what was.
-  for (const char* part : k_parts)
-    good = good && json.contains(part) && (json[part].is_null() || json[part].is_object());
+  for (std::size_t i = 0; i < k_parts_always; ++i) good = good && is_part(json, k_parts.at(i));
   if (good) {
     record.version = static_cast<int>(Reader{json, good}.number("version", 0, 1e9));
-    if (const ordered_json& tip = json["tip"]; tip.is_object())
-      record.tip = Tip{.tip_flange = Reader{tip, good}.vector("at_mm"), .how = Reader{tip, good}.how()};
-    if (const ordered_json& load = json["payload"]; load.is_object())
-      record.payload = Load{.payload = {.mass_kg = Reader{load, good}.number("kg", 0, k_most_kg),
-                                        .centre_flange_mm = Reader{load, good}.vector("centre_mm")},
-                            .how = Reader{load, good}.how()};
+    record.tip = tip_of(json["tip"], good);
+    record.payload = load_of(json["payload"], good);
+    read_tools(json, record, good);
     if (const ordered_json& table = json["table"]; table.is_object())
       record.table =
           Table{.z_mm = Reader{table, good}.number("z_mm", -k_highest_mm, k_highest_mm),
@@ -216,6 +287,23 @@ Result<Record> keep_payload(memory::Memory& memory, const path::Payload& payload
   return keep(memory, before, std::move(now), Part::Payload, hand, "teach");
 }
 
+Result<Record> mount_tool(memory::Memory& memory, const std::string& name, const Hand& hand) {
+  if (!path::is_name(name))
+    return fail(Errc::BadValue, "tool '%.64s': letters, digits, '.', '_' and '-' expected, at most 64",
+                name.c_str());
+  BITELINE_ASSIGN(const Record before, read_record(memory));
+  Record now = before;
+  const bool same = now.tool && now.tool->name == name;
+  if (!same) shelve(now);
+  if (const auto found = now.shelf.find(name); found != now.shelf.end()) {
+    now.tip = found->second.tip;
+    now.payload = found->second.payload;
+    now.shelf.erase(found);
+  }
+  now.tool = MountedTool{.name = name, .how = taught(before, hand)};
+  return keep(memory, before, std::move(now), Part::Tool, hand, "mount a tool");
+}
+
 Result<Record> forget(memory::Memory& memory, Part part, const Hand& hand) {
   const Result<Record> read = read_record(memory);
   // One that cannot be read goes whole: it could never be taught again.  A memory that is busy costs nothing.
@@ -225,6 +313,7 @@ Result<Record> forget(memory::Memory& memory, Part part, const Hand& hand) {
   if (part == Part::Tip) now.tip.reset();
   if (part == Part::Payload) now.payload.reset();
   if (part == Part::Table) now.table.reset();
+  if (part == Part::Tool) shelve(now);
   return keep(memory, before, std::move(now), part, hand, "forget what was taught");
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 /// \file What is mounted at a cell as it was taught, in the memory: the newest version; the log has them all.
 
+#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -34,17 +35,33 @@ struct Table {
   Taught how{};
 };
 
+/// A tool of the cell by its name, as a person said that it is mounted.
+struct MountedTool {
+  std::string name;
+  Taught how{};
+};
+/// What is known of a tool that is not mounted now.
+struct ShelvedTool {
+  std::optional<Tip> tip{};
+  std::optional<Load> payload{};
+};
+
 struct Record {
   int version{0};  ///< counts every change
+  std::optional<MountedTool> tool{};
+  std::map<std::string, ShelvedTool> shelf{};  ///< the cell's other tools, by name
+  /// Of the mounted tool.
   std::optional<Tip> tip{};
   std::optional<Load> payload{};
   std::optional<Table> table{};
 
-  [[nodiscard]] path::Mounted mounted() const;
+  /// For a process that names this tool: what was taught of it, mounted or on the shelf; empty: the mounted
+  /// one.
+  [[nodiscard]] path::Mounted mounted(const std::string& tool) const;
 };
 
-enum class Part { Tip, Payload, Table };
-[[nodiscard]] const char* name_of(Part part);  ///< "tip", "payload", "table"
+enum class Part { Tip, Payload, Table, Tool };
+[[nodiscard]] const char* name_of(Part part);  ///< "tip", "payload", "table", "tool"
 [[nodiscard]] std::optional<Part> part_of(const std::string& name);
 
 /// Who changes it, and through which door.
@@ -67,7 +84,12 @@ struct Hand {
 /// Errc::BadValue: beyond 20 kg, or a centre beyond 1000 mm, as of a process.
 [[nodiscard]] Result<Record> keep_payload(memory::Memory& memory, const path::Payload& payload,
                                           const Hand& hand);
-/// A new version without this part: it is checked no more.
+/// A new version with this tool mounted.  Tip and payload are then what was taught of it before; those of the
+/// tool before go with that one's name.  A tool without a name gets this one, where the shelf has none of it.
+/// Errc::BadValue: path::is_name() takes it for none.
+[[nodiscard]] Result<Record> mount_tool(memory::Memory& memory, const std::string& name, const Hand& hand);
+/// A new version without this part: it is checked no more.  Without a tool: nobody has said
+/// which one is mounted, and its tip and payload are on the shelf.
 [[nodiscard]] Result<Record> forget(memory::Memory& memory, Part part, const Hand& hand);
 
 }  // namespace biteline::mounted

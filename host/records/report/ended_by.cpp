@@ -38,6 +38,7 @@ std::span<const EndedByRow> ended_by_table() {
       EndedByRow{"sent_before", Machine},
       EndedByRow{"messages_lost", Machine},
       EndedByRow{"holes_in_scan", Machine},
+      EndedByRow{"tool_not_mounted", Machine},
       EndedByRow{"not_as_taught", Machine},
       EndedByRow{"files_changed", Machine},
       EndedByRow{"arm_moved", Machine},
@@ -80,6 +81,7 @@ std::span<const EndedByRow> ended_by_table() {
       EndedByRow{"work_unsure", Nobody},
       EndedByRow{"no_change_to_tell", Nobody},
       EndedByRow{"work_not_looked_at", Nobody},
+      EndedByRow{"sequence_cut", Nobody},
   };
   return k_rows;
 }

@@ -19,6 +19,11 @@ std::optional<bool> carries_as_taught(const Process& process, const Mounted& mou
              k_taught_centre_mm;
 }
 
+std::optional<bool> has_its_tool(const Process& process, const Mounted& mounted) {
+  if (process.tool.name.empty()) return std::nullopt;
+  return mounted.tool == process.tool.name;
+}
+
 std::optional<Payload> carried(const Process& process, const Mounted& mounted) {
   return process.tool.payload ? process.tool.payload : mounted.payload;
 }

@@ -3,6 +3,7 @@
 /// \file What is mounted at a cell as it was taught, and whether a process is made for it.
 
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "host/robot/path/checks/line_check.hpp"
@@ -12,8 +13,9 @@ namespace biteline::path {
 
 /// What was not taught is not checked.
 struct Mounted {
-  std::optional<Vec3> tip_flange{};  ///< mm
-  double tip_u95_mm{0};              ///< of a tip that was touched
+  std::optional<std::string> tool{};  ///< its name, as a person said it; nothing: nobody has
+  std::optional<Vec3> tip_flange{};   ///< mm
+  double tip_u95_mm{0};               ///< of a tip that was touched
   std::optional<Payload> payload{};
   std::optional<double> table_z_mm{};  ///< in the robot's base
 };
@@ -28,6 +30,9 @@ inline constexpr double k_taught_payload_kg = 0.1, k_taught_centre_mm = 20;
 [[nodiscard]] std::optional<double> tip_off_mm(const Process& process, const Mounted& mounted);
 /// The process carries what was taught; nothing: none was taught, or the process tells none.
 [[nodiscard]] std::optional<bool> carries_as_taught(const Process& process, const Mounted& mounted);
+
+/// The tool that the process names is mounted; nothing: it names none.
+[[nodiscard]] std::optional<bool> has_its_tool(const Process& process, const Mounted& mounted);
 
 /// What the arm carries along a path: what the process tells, else what was taught; nothing: the controller's
 /// own setting counts.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "host/robot/path/process.hpp"
 
+#include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <numbers>
 
@@ -18,8 +20,18 @@ using config::YamlReader;
 constexpr double k_automatic_above = 0.95;
 constexpr double k_rad_per_deg = std::numbers::pi / 180;
 
+/// By which others call it, or nothing.
+std::string read_name_or_none(YamlReader& reader, const char* key) {
+  std::string name = reader.text_or(key, "");
+  if (name.empty() || is_name(name)) return name;
+  reader.fault(Errc::BadValue, key,
+               "letters, digits, '.', '_' and '-', at most 64, the first a letter or a digit");
+  return {};
+}
+
 Tool read_tool(YamlReader reader) {
   Tool tool;
+  tool.name = read_name_or_none(reader, "name");
   const std::vector<double> position_mm = reader.numbers("tcp_position_mm", 3);
   const std::vector<double> rotation_deg = reader.numbers("tcp_rotation_deg", 3);
   tool.T_flange_tcp.translation() = Vec3{position_mm[0], position_mm[1], position_mm[2]};
@@ -297,6 +309,9 @@ Process read_all(YamlReader& reader) {
   process.gate = read_gate(reader.child("gate", false));
   process.start = read_start(reader);
   process.after_work = read_after_work(reader);
+  process.look_tolerance_mm =
+      reader.number_or("look_tolerance_mm", process.look_tolerance_mm, {.minimum = 0.1, .maximum = 20});
+  process.next_process = read_name_or_none(reader, "next_process");
   process.digital_output =
       static_cast<int>(reader.integer_or("digital_output", -1, {.minimum = -1, .maximum = 7}));
   if (const std::string foot = reader.choice_or_first("foot", {"any", "left", "right"}); foot != "any")
@@ -319,6 +334,14 @@ Process read_all(YamlReader& reader) {
 }
 
 }  // namespace
+
+bool is_name(const std::string& text) {
+  const auto in_a_name = [](unsigned char c) {
+    return c < 128 && (std::isalnum(c) != 0 || c == '.' || c == '_' || c == '-');
+  };
+  return text.size() <= bounds::k_name && std::ranges::all_of(text, in_a_name) && !text.empty() &&
+         text.front() != '.' && text.front() != '_' && text.front() != '-';
+}
 
 double covered_width_mm(const Process& process) {
   const Coverage& coverage = process.coverage;

@@ -33,6 +33,7 @@ struct Payload {
 
 /// The tool: z of its frame is its axis, out of the flange; its tip is the origin.
 struct Tool {
+  std::string name{};  ///< by which the cell knows that it is mounted; empty: nobody asks
   SE3 T_flange_tcp{SE3::Identity()};
   double body_radius_mm{
       20};  ///< of a cylinder round the axis, from the flange down to `contact_length_mm` from the tip
@@ -204,15 +205,20 @@ struct Process {
   GateLimits gate{};
   Start start{Start::Auto};
   AfterWork after_work{AfterWork::None};
-  int digital_output{-1};                       ///< switched on along the line; -1: none
-  std::optional<Flow> flow{};                   ///< none: on from the beginning to the end, at whatever speed
-  std::optional<Force> force{};                 ///< none: by position alone
+  double look_tolerance_mm{0.5};  ///< of a second look: an edge farther off its place is a fault
+  std::string next_process{};     ///< that the same shoe is worked with then, by its file's name; empty: none
+  int digital_output{-1};         ///< switched on along the line; -1: none
+  std::optional<Flow> flow{};     ///< none: on from the beginning to the end, at whatever speed
+  std::optional<Force> force{};   ///< none: by position alone
   std::optional<ForceLearned> force_learned{};  ///< of the model; of no process file
   std::string foot{};         ///< that its stretches are told on, left or right; empty: on either one
   std::vector<Zone> zones{};  ///< where two meet, the first one counts
   /// What of the line is worked of all that the zones leave; empty: all.  Of no file: rework and test lines.
   std::vector<Piece> only{};
 };
+
+/// Of a tool or of a process that another one names: letters, digits, '.', '_' and '-', at most 64 bytes.
+[[nodiscard]] bool is_name(const std::string& text);
 
 /// Width worked at once, mm: the contact's, or the cone's at the standoff.
 [[nodiscard]] double covered_width_mm(const Process& process);

@@ -26,6 +26,7 @@ struct WorkedCell : Utest {
   std::optional<ChildProcess> cell;
   nlohmann::json ports;
   std::string sensor;
+  bool passes_stderr{true};  ///< else it is kept: ChildProcess::last_words()
 
   fs::path results() const { return folder.path() / "results"; }
   fs::path scan() const { return results() / "scan-0001"; }
@@ -42,7 +43,7 @@ struct WorkedCell : Utest {
     sensor = *address;
   }
   /// Quick cement above the line, on what a quick scan is good to; watched as a loaded machine can.
-  fs::path process(const std::string& gate) const {
+  std::string process(const std::string& gate, const std::string& more, const std::string& tool) const {
     std::ifstream stream{fs::path{BITELINE_PROCESSES} / "cement.yaml"};
     std::string text{std::istreambuf_iterator<char>{stream}, {}};
     for (const auto& [asked, instead] :
@@ -57,7 +58,8 @@ struct WorkedCell : Utest {
       CHECK_TEXT(at != std::string::npos, asked.c_str());
       text.replace(at, asked.size(), instead);
     }
-    return folder.write("cement.yaml", text + gate);
+    text.insert(text.find("  tcp_position_mm"), tool);
+    return more + text + gate;
   }
   /// Grinding with a set force, on what a quick scan is good to.
   fs::path pressing_process() const {
@@ -73,8 +75,32 @@ struct WorkedCell : Utest {
     }
     return folder.write("grind_force.yaml", text);
   }
-  ChildProcess start(const std::vector<std::string>& more, const std::string& gate = {}) const {
-    return start_with(process(gate), more);
+  /// Saved at the cell; its tool's keys begin with `tool`.
+  void save_second(const std::string& tool, const std::string& more = {}) const {
+    fs::create_directories(results() / "processes");
+    std::string text = process({}, more, tool);
+    const std::string name = "name: cement";
+    text.replace(text.find(name), name.size(), "name: second film");
+    std::ofstream{results() / "processes/second.yaml"} << text;
+  }
+  static std::string not_sendable(const Page& page) {
+    const control::Json held = page.ask("GET", "/state").body["held"];
+    return held.is_object() && held["reason_code"].is_string() ? held["reason_code"] : "";
+  }
+  static void until_sendable(const Page& page) {
+    const auto until = std::chrono::steady_clock::now() + k_patience;
+    while (!not_sendable(page).empty() && std::chrono::steady_clock::now() < until)
+      std::this_thread::sleep_for(50ms);
+    STRCMP_EQUAL("", not_sendable(page).c_str());
+  }
+  static int accept(const Page& page, const std::string& name) {
+    const control::Json held = page.ask("GET", "/state").body["held"];
+    return page.ask("POST", "/scans/" + name + "/accept", {{"version", held["version"]}}).status;
+  }
+  /// `keys` of the process beside its gate's, and `tool` of its tool.
+  ChildProcess start(const std::vector<std::string>& more, const std::string& gate = {},
+                     const std::string& keys = {}, const std::string& tool = {}) const {
+    return start_with(folder.write("cement.yaml", process(gate, keys, tool)), more);
   }
   ChildProcess start_with(const fs::path& process, const std::vector<std::string>& more) const {
     const auto at = [&](const char* port) { return "127.0.0.1:" + std::to_string(ports[port].get<int>()); };
@@ -98,19 +124,20 @@ struct WorkedCell : Utest {
                                  at("dashboard"),
                                  "--send"};
     all.insert(all.end(), more.begin(), more.end());
-    auto host = ChildProcess::start({.program = host_program(), .arguments = all, .pass_stderr = true});
+    auto host =
+        ChildProcess::start({.program = host_program(), .arguments = all, .pass_stderr = passes_stderr});
     SUCCEEDS(host);
     return std::move(*host);
   }
   static std::pair<int, std::string> end_of(ChildProcess& host) { return ServiceWithArm::end_of(host); }
-  nlohmann::json file(const char* name) const {
-    std::ifstream stream{scan() / name};
+  nlohmann::json file(const char* name, const char* of = "scan-0001") const {
+    std::ifstream stream{results() / of / name};
     return test::read_json(stream);
   }
-  memory::Scan row() const {
+  memory::Scan row(const char* name = "scan-0001") const {
     const auto memory = memory::Memory::open_to_read(results() / memory::k_memory_file);
     SUCCEEDS(memory);
-    const auto row = memory->scan("scan-0001");
+    const auto row = memory->scan(name);
     CHECK(row && *row);
     return **row;
   }
@@ -228,6 +255,98 @@ ORDINARY_TIMED_TEST(ServiceWork, AStopDuringTheLookWorksNothingAgain) {
   const fs::path rework = scan() / "work/rework";
   CHECK(!fs::exists(rework / "gate.json") || !ServiceWithArm::gate_of(rework).value("permitted", true));
   STRCMP_EQUAL("stopped", page.ask("GET", "/state").body.value("phase", "").c_str());
+}
+
+/// Two films of one tool: each is a result of its own, and both lie on the shoe.
+ORDINARY_TIMED_TEST(ServiceWork, TheNextProcessWorksTheSameShoe) {
+  begin_cell({});
+  save_second({});
+  ChildProcess host = start({"--once"}, {}, "next_process: second\n");
+  const auto [status, said] = end_of(host);
+  LONGS_EQUAL_TEXT(static_cast<int>(ExitStatus::Done), status, said.c_str());
+  const memory::Scan first = row(), second = row("scan-0002");
+  STRCMP_EQUAL("ok", first.work.verdict.c_str());
+  CHECK(first.followed.value_or(false) && second.followed.value_or(false));
+  STRCMP_EQUAL("second film", second.process.c_str());
+  STRCMP_EQUAL("ok", second.work.verdict.c_str());
+  // The second look is compared with what the first one saw, and the second path is proved by it.
+  const nlohmann::json gate = file("gate.json", "scan-0002");
+  STRCMP_EQUAL("look", gate["inputs"]["scan"]["unmoved"].value("by", "").c_str());
+  STRCMP_EQUAL("scan-0001", file("report.json", "scan-0002")["follows"].value("scan", "").c_str());
+  CHECK(!fs::exists(results() / "scan-0003"));
+  for (const double here : layers()) CHECK_COMPARE(here, >, 1.9);
+}
+
+/// Of a path that is sent without its tool the arm would not know where the tip is.
+ORDINARY_TIMED_TEST(ServiceWork, AnotherToolWaitsUntilAPersonHasMountedIt) {
+  begin_cell({});
+  save_second("  name: gun_b\n");
+  ChildProcess host =
+      start({"--control", "tcp://127.0.0.1:0"}, {}, "next_process: second\n", "  name: gun_a\n");
+  Page page{address_told(host)};
+  page.begin();
+  page.wait_until_deciding();
+  // The first process's tool is not mounted either, as nobody has said so.
+  STRCMP_EQUAL("tool_not_mounted", not_sendable(page).c_str());
+  LONGS_EQUAL(409, accept(page, "scan-0001"));
+  LONGS_EQUAL(200, page.ask("PUT", "/mounted/tool", {{"name", "gun_a"}}).status);
+  until_sendable(page);
+  LONGS_EQUAL(200, accept(page, "scan-0001"));
+  page.scan_once("scan-0002", [](const control::Json& one) { return one["decision"] == "held"; });
+  page.wait_until_deciding();
+  STRCMP_EQUAL("tool_not_mounted", not_sendable(page).c_str());
+  LONGS_EQUAL(409, accept(page, "scan-0002"));
+  CHECK(!fs::exists(results() / "scan-0002/gate.json"));
+  LONGS_EQUAL(200, page.ask("PUT", "/mounted/tool", {{"name", "gun_b"}}).status);
+  until_sendable(page);
+  LONGS_EQUAL(200, accept(page, "scan-0002"));
+  const control::Json second = page.scan_once("scan-0002", [](const control::Json& one) {
+    return one["work"].is_object() && one["work"]["verdict"] == "ok";
+  });
+  CHECK(second.value("followed", false));
+  STRCMP_EQUAL("gun_b", file("gate.json", "scan-0002")["inputs"]["result"].value("mounted_tool", "").c_str());
+}
+
+/// Whoever starts it again must not have the first process on the shoe twice.
+ORDINARY_TIMED_TEST(ServiceWork, AServiceThatDiedBetweenTwoProcessesWorksNothingAgain) {
+  begin_cell({});
+  save_second("  name: gun_b\n");
+  const std::string next = "next_process: second\n", tool = "  name: gun_a\n";
+  {
+    ChildProcess host = start({"--control", "tcp://127.0.0.1:0"}, {}, next, tool);
+    Page page{address_told(host)};
+    page.begin();
+    page.wait_until_deciding();
+    LONGS_EQUAL(200, page.ask("PUT", "/mounted/tool", {{"name", "gun_a"}}).status);
+    until_sendable(page);
+    LONGS_EQUAL(200, accept(page, "scan-0001"));
+    page.scan_once("scan-0002", [](const control::Json& one) { return one["decision"] == "held"; });
+    ::kill(host.pid(), SIGKILL);
+    SUCCEEDS(host.wait(k_patience));
+  }
+  ChildProcess again = start({"--control", "tcp://127.0.0.1:0"}, {}, next, tool);
+  std::string said;
+  while (const auto line = again.next_line(2s)) said += *line + "\n";
+  STRCMP_CONTAINS("no scan is asked for before a person has looked", said.c_str());
+  CHECK_TEXT(said.find("asks for a scan") == std::string::npos, said.c_str());
+  STRCMP_EQUAL("sequence_cut", row().reason_code.c_str());
+  STRCMP_CONTAINS("second film", row().reason.c_str());
+  STRCMP_EQUAL("open", row("scan-0002").decision.c_str());
+  CHECK(!row("scan-0002").sent);
+}
+
+TEST(ServiceWork, ProcessesThatDoNotGoTogetherAreRefusedBeforeAnythingMoves) {
+  begin_cell({});
+  const auto why = [this](const std::string& more) {
+    passes_stderr = false;
+    ChildProcess host = start({"--once"}, {}, more);
+    SUCCEEDS(host.wait(k_patience));
+    return host.last_words();
+  };
+  STRCMP_CONTAINS("no saved process 'third'", why("next_process: third\n").c_str());
+  save_second({}, "next_process: second\n");
+  STRCMP_CONTAINS("comes again", why("next_process: second\n").c_str());
+  CHECK(!fs::exists(scan()));
 }
 
 TEST_GROUP_BASE(ServiceWorkLong, WorkedCell){};

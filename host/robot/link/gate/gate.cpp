@@ -196,6 +196,10 @@ void add_taught_rows(const ResultFacts& result, std::vector<GateRow>& rows) {
     rows.push_back({Refused::NotAsTaught, name, text("%.2f mm", *off_mm), text("%.2f mm", most_mm),
                     when(*off_mm <= most_mm)});
   };
+  if (result.tool)
+    rows.push_back({Refused::ToolNotMounted, "tool that is mounted",
+                    result.mounted_tool.value_or("nobody has said"), *result.tool,
+                    when(result.mounted_tool == result.tool)});
   add_mm("process's tip from the taught one", result.tip_from_taught_mm, path::k_taught_tip_mm);
   if (result.payload_as_taught)
     rows.push_back({Refused::NotAsTaught, "process's payload",

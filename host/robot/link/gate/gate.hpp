@@ -70,6 +70,9 @@ struct ResultFacts {
   std::optional<std::string> approved_by{};  ///< whose verdict, when; or "automatic" with its figures
   double tool_off_mm{0}, tool_off_rad{0};    ///< the path's tool from the process's
   std::optional<bool> same_payload{};        ///< of path and process; nothing: the process tells none
+  /// The tool that the process names, and the one that is mounted as a person said; nothing: the process
+  /// names none, and nobody has said.
+  std::optional<std::string> tool{}, mounted_tool{};
   /// Nothing, here and below: it was not taught.
   std::optional<double> tip_from_taught_mm{};
   std::optional<bool> payload_as_taught{};

@@ -55,6 +55,8 @@ void visit(const Visit& v, ResultFacts& result) {
   v("tool_off_rad", result.tool_off_rad);
   v("same_payload", result.same_payload);
   v.since("tip_bound_mm", result.tip_bound_mm);
+  v.since("tool", result.tool);
+  v.since("mounted_tool", result.mounted_tool);
   v.since("tip_from_taught_mm", result.tip_from_taught_mm);
   v.since("payload_as_taught", result.payload_as_taught);
   v.since("table_from_taught_mm", result.table_from_taught_mm);

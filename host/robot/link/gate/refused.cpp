@@ -26,6 +26,7 @@ std::span<const report::RefusalRow<Refused>> refusal_table(Refused) {
       Row{Refused::TooUncertain, "too_uncertain", "scan again, or ask the process for less"},
       Row{Refused::TipTooFar, "tip_too_far", "teach the tip again, scan again, or let the arm give less"},
       Row{Refused::NotApproved, "not_approved", "look at the result, then --confirm the scan"},
+      Row{Refused::ToolNotMounted, "tool_not_mounted", "mount the process's tool, then say so on its page"},
       Row{Refused::NotAsTaught, "not_as_taught", "teach what is mounted, or mount the process's tool"},
       Row{Refused::FilesChanged, "files_changed",
           "mend the line in the page or by biteline line edit, choose the process again, or scan again"},

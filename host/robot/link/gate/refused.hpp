@@ -22,6 +22,7 @@ enum class Refused {
   TooUncertain,        ///< the line's uncertainty is beyond the tolerance
   TipTooFar,           ///< the tool's tip may be farther off the line than the process takes
   NotApproved,         ///< a person has said no, or has not said yes where the process asks
+  ToolNotMounted,      ///< the process names another tool than the one that is mounted
   NotAsTaught,         ///< tip, payload or table are not what was taught at the cell
   FilesChanged,        ///< line, cloud, report or process is not what the service wrote and planned with
   ArmMoved,            ///< since its way was checked

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What is mounted at the cell: tip and table by touching, the payload as numbers; each a version with who and when.
+// What is mounted at the cell: the tool by its name, tip and table by touching, the payload as numbers; each a
+// version with who and when.
 import type { JSX } from 'preact';
 import { useState } from 'preact/hooks';
 import type { Mounted, Taught } from 'openapi';
@@ -164,6 +165,50 @@ function Carried(props: OfPart): JSX.Element {
   );
 }
 
+/// An operator who has changed the tool says so here.
+function NamedTool({ mounted, enabled, change }: Omit<OfPart, 'part'>): JSX.Element {
+  const [name, set_name] = useState('');
+  const others = Object.keys(mounted.shelf);
+  return (
+    <section aria-label={t('mounted_tool')}>
+      <h3>{t('mounted_tool')}</h3>
+      <p class="quiet">{t('mounted_tool_words')}</p>
+      <p>
+        {mounted.tool ? `${mounted.tool.name}. ${how_words(mounted.tool)}` : t('mounted_tool_none')}{' '}
+        {others.length > 0 && t('mounted_tool_shelf', { names: others.join(', ') })}
+      </p>
+      <form
+        class="tools"
+        onSubmit={(event) => {
+          event.preventDefault();
+          change('PUT', '/mounted/tool', { name });
+        }}
+      >
+        <label>
+          {t('mounted_tool_name')}{' '}
+          <input
+            required
+            maxLength={64}
+            pattern="[A-Za-z0-9][A-Za-z0-9._\-]*"
+            list="mounted-shelf"
+            disabled={!enabled}
+            value={name}
+            onInput={(event) => set_name(event.currentTarget.value)}
+          />
+        </label>
+        <datalist id="mounted-shelf">
+          {others.map((other) => (
+            <option key={other} value={other} />
+          ))}
+        </datalist>
+        <button type="submit" disabled={!enabled}>
+          {t('mounted_tool_mount')}
+        </button>
+      </form>
+    </section>
+  );
+}
+
 export function MountedCard(): JSX.Element {
   // Read again after each change: act() sees to it.
   const { value: mounted, error } = use_reading<Mounted>('/mounted');
@@ -179,6 +224,7 @@ export function MountedCard(): JSX.Element {
       {mounted && (
         <>
           <Figures rows={[[t('version'), mounted.version]]} />
+          <NamedTool mounted={mounted} enabled={may('operator') && holds_control()} change={change} />
           <Touching part="tip" mounted={mounted} enabled={enabled} change={change} />
           <Carried part="payload" mounted={mounted} enabled={enabled} change={change} />
           <Touching part="table" mounted={mounted} enabled={enabled} change={change} />

@@ -52,10 +52,10 @@ TEST(EndedBy, EachReasonOfEachModuleIsSomebodys) {
   all(path::Refused{}, EndedBy::Shoe, {"not_as_taught"});
   all(service::Refused::ModelUnknown, EndedBy::Shoe,
       {"rerun_failed", "calibration_drifted", "other_process", "line_off_mended", "part_worked_before",
-       "work_not_looked_at"});
+       "work_not_looked_at", "sequence_cut"});
   all(second_look::Refused{}, EndedBy::Shoe, {"shoe_moved", "other_shoe", "no_change_to_tell"});
   all(second_look::Settle{}, EndedBy::Nobody);
-  for (const char* code : {"no_change_to_tell", "work_not_looked_at"})
+  for (const char* code : {"no_change_to_tell", "work_not_looked_at", "sequence_cut"})
     CHECK_TEXT(ended_by(code) == EndedBy::Nobody, code);
   for (const char* code : {"line_not_passed", "path_not_passed", "too_uncertain", "tip_too_far"})
     CHECK_TEXT(ended_by(code) == EndedBy::Shoe, code);

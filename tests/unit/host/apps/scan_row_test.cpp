@@ -191,7 +191,7 @@ TEST(ScanRow, PlacesAreSignedDistancesToTheModelsLine) {
 }
 
 TEST(ScanRow, EachRefusalOfTheServiceHasItsWords) {
-  test::check_refusal_table(Refused::WorkNotLookedAt);
+  test::check_refusal_table(Refused::SequenceCut);
 }
 
 }  // namespace biteline::service

@@ -144,6 +144,27 @@ TEST(ApiMounted, WhatIsForgottenIsGoneAndOtherPartsAreNone) {
   STRCMP_EQUAL("forget what was taught", rows->front().action.c_str());
 }
 
+TEST(ApiMounted, AnOperatorSaysWhichToolIsMounted) {
+  take_control_as("eng");
+  teach_tip();
+  LONGS_EQUAL(200, ask("PUT", "/mounted/tool", {{"name", "brush"}}).status);
+  STRCMP_EQUAL("tool mounted", cell.did.back().c_str());
+  take_control_as("ana");
+  const Json gun = ask("PUT", "/mounted/tool", {{"name", "gun"}}).body;
+  STRCMP_EQUAL("gun", gun["tool"]["name"].get<std::string>().c_str());
+  STRCMP_EQUAL("ana", gun["tool"]["who"].get<std::string>().c_str());
+  // Nothing was taught of it yet; the brush's tip waits for the brush.
+  CHECK(gun["tip"].is_null());
+  DOUBLES_EQUAL(180, gun["shelf"]["brush"]["tip"]["at_mm"][2].get<double>(), 1e-6);
+  const Json brush = ask("PUT", "/mounted/tool", {{"name", "brush"}}).body;
+  DOUBLES_EQUAL(180, brush["tip"]["at_mm"][2].get<double>(), 1e-6);
+  CHECK(brush["shelf"].contains("gun") && !brush["shelf"].contains("brush"));
+  for (const char* bad : {"", "../x", "a b"})
+    CHECK_TEXT(ask("PUT", "/mounted/tool", {{"name", bad}}).status >= 400, bad);
+  const Json none = ask("DELETE", "/mounted/tool").body;
+  CHECK(none["tool"].is_null() && none["tip"].is_null() && none["shelf"].contains("brush"));
+}
+
 TEST(ApiMounted, AnArmThatMovesOrIsAwayIsToldAndNoTouch) {
   take_control_as("eng");
   cell.next = fail(Errc::WrongState, "the arm still moves; touch when it stands");

@@ -123,6 +123,7 @@ struct FakeCell final : Cell {
   void model_saved(const std::string& process_sha256, const std::string& who) override {
     did.push_back("saved " + process_sha256.substr(0, 8) + " " + who);
   }
+  void tool_mounted() override { did.push_back("tool mounted"); }
   Result<int> rerun(const RerunOrder& order) override {
     did.push_back("rerun " + order.scan + " " + order.who + " " + test::text_of(settings_json(order)));
     if (!next) return tl::unexpected<Error>{next.error()};

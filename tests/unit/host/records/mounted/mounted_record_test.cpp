@@ -32,7 +32,7 @@ TEST(MountedRecord, AtFirstNothingIsTaught) {
   const auto record = read_record(*memory);
   SUCCEEDS(record);
   LONGS_EQUAL(0, record->version);
-  CHECK(!record->mounted().tip_flange && !record->mounted().payload && !record->mounted().table_z_mm);
+  CHECK(!record->mounted({}).tip_flange && !record->mounted({}).payload && !record->mounted({}).table_z_mm);
 }
 
 TEST(MountedRecord, EachChangeIsAVersionWithWhoAndWhenAndARowOfTheLog) {
@@ -51,7 +51,7 @@ TEST(MountedRecord, EachChangeIsAVersionWithWhoAndWhenAndARowOfTheLog) {
   DOUBLES_EQUAL(1.6, record->payload->payload.mass_kg, 1e-12);
   LONGS_EQUAL(3, record->table->how.version);
   STRCMP_EQUAL("ada", record->table->how.who.c_str());
-  DOUBLES_EQUAL(-12.5, *record->mounted().table_z_mm, 1e-12);
+  DOUBLES_EQUAL(-12.5, *record->mounted({}).table_z_mm, 1e-12);
   const auto rows = memory->log_rows(0, 10);
   SUCCEEDS(rows);
   LONGS_EQUAL(3, rows->size());
@@ -66,11 +66,54 @@ TEST(MountedRecord, WhatIsForgottenIsCheckedNoMoreAndTheLogKeepsIt) {
   const auto record = read_record(*memory);
   SUCCEEDS(record);
   LONGS_EQUAL(2, record->version);
-  CHECK(!record->mounted().tip_flange);
+  CHECK(!record->mounted({}).tip_flange);
   const auto rows = memory->log_rows(0, 1);
   SUCCEEDS(rows);
   STRCMP_CONTAINS("180", rows->front().before.c_str());
   STRCMP_EQUAL("null", rows->front().after.c_str());
+}
+
+TEST(MountedRecord, EachToolHasItsOwnTipAndPayload) {
+  SUCCEEDS(keep_touched(*memory, Lesson::Part::Tip, tip, 6, hand));
+  SUCCEEDS(keep_payload(*memory, {.mass_kg = 1.6, .centre_flange_mm = {0, 0, 65}}, hand));
+  // What was taught before tools had names is the first one's.
+  SUCCEEDS(mount_tool(*memory, "brush", hand));
+  SUCCEEDS(keep_touched(*memory, Lesson::Part::Table, table, 3, hand));
+  const auto gun = mount_tool(*memory, "gun", hand);
+  SUCCEEDS(gun);
+  STRCMP_EQUAL("gun", gun->mounted({}).tool->c_str());
+  CHECK(!gun->mounted({}).tip_flange && !gun->mounted({}).payload);
+  DOUBLES_EQUAL(-12.5, *gun->mounted({}).table_z_mm, 1e-12);
+  // A path of the brush is planned with the brush's, and the gun is mounted all the same.
+  const auto read = read_record(*memory);
+  SUCCEEDS(read);
+  const path::Mounted brush = read->mounted("brush");
+  STRCMP_EQUAL("gun", brush.tool->c_str());
+  DOUBLES_EQUAL(180, brush.tip_flange->z(), 1e-12);
+  DOUBLES_EQUAL(0.2, brush.tip_u95_mm, 1e-12);
+  DOUBLES_EQUAL(1.6, brush.payload->mass_kg, 1e-12);
+  CHECK(!read->mounted("roller").tip_flange);
+  const auto back = mount_tool(*memory, "brush", hand);
+  SUCCEEDS(back);
+  DOUBLES_EQUAL(180, back->tip->tip_flange.z(), 1e-12);
+  LONGS_EQUAL(1, back->shelf.size());
+  const auto none = forget(*memory, Part::Tool, hand);
+  SUCCEEDS(none);
+  CHECK(!none->tool && !none->tip && none->shelf.contains("brush"));
+  for (const char* bad : {"", "../brush", ".brush", "a b"})
+    CHECK_TEXT(mount_tool(*memory, bad, hand).error().code == Errc::BadValue, bad);
+}
+
+TEST(MountedRecord, ToolsThatCannotBeReadAreNone) {
+  for (const char* bad :
+       {R"({"version":1,"tip":null,"payload":null,"table":null,"tool":"brush"})",
+        R"({"version":1,"tip":null,"payload":null,"table":null,"tool":{"name":3}})",
+        R"({"version":1,"tip":null,"payload":null,"table":null,"shelf":{"brush":{"tip":{}}}})"}) {
+    put(bad);
+    CHECK_TEXT(read_record(*memory).error().code == Errc::BadFormat, bad);
+  }
+  put(R"({"version":1,"tip":null,"payload":null,"table":null})");
+  SUCCEEDS(read_record(*memory));
 }
 
 TEST(MountedRecord, APayloadBeyondItsRangeIsRefused) {

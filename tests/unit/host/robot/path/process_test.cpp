@@ -45,6 +45,25 @@ TEST(ProcessFile, ShippedProcessesAreValid) {
   DOUBLES_EQUAL(60 * std::numbers::pi / 180, spray.placement.tilt_rad, 1e-12);
 }
 
+TEST(ProcessFile, ToolAndWhatFollowsHaveNames) {
+  const auto plain = read_process(shipped("grind.yaml"));
+  CHECK(plain->tool.name.empty() && plain->next_process.empty());
+  DOUBLES_EQUAL(0.5, plain->look_tolerance_mm, 1e-12);
+  const auto named =
+      read_changed("tool:", "next_process: cement\nlook_tolerance_mm: 0.8\ntool:\n  name: disc_40.2");
+  CHECK(named.has_value());
+  STRCMP_EQUAL("disc_40.2", named->tool.name.c_str());
+  STRCMP_EQUAL("cement", named->next_process.c_str());
+  DOUBLES_EQUAL(0.8, named->look_tolerance_mm, 1e-12);
+  // A name is a file's or a tool's, and no way to a folder.
+  for (const char* bad :
+       {"next_process: ../cement\ntool:", "next_process: 'a b'\ntool:", "tool:\n  name: .hidden"}) {
+    const auto refused = read_changed("tool:", bad);
+    CHECK_TEXT(!refused.has_value(), bad);
+    STRCMP_CONTAINS("letters, digits", to_line(refused.error()).c_str());
+  }
+}
+
 TEST(ProcessFile, FlowIsReadInItsUnits) {
   const auto process =
       read_changed("gate:",
