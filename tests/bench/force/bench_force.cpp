@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 // bench_force [SHOES [SEED]]: how even the force is that a path presses with in the simulated cell.  Made
-// shoes of six models, five of each, before a UR10e; grind and rough at 60 mm/s, once by the set force alone
-// and once with what an air run and the shoes before have taught.  Contact is MuJoCo's; sensor, regulator and
-// upper are simulated: the sensor's error changes with the place by 1.1 N (root mean square), as a UR5e's was
-// measured.  Each shoe stands a few mm elsewhere, has its own upper (0.5 to 2 N/mm3), and its line is off by
-// 0.1 mm.
+// shoes of six models, five of each, before a UR10e; grind, rough and roll at 60 mm/s, once by the set force
+// alone and once with what an air run and the shoes before have taught.  Contact is MuJoCo's; sensor,
+// regulator and upper are simulated: the sensor's error changes with the place by 1.1 N (root mean square),
+// as a UR5e's was measured.  Each shoe stands a few mm elsewhere, has its own upper (0.5 to 2 N/mm3), and its
+// line is off by 0.1 mm.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -101,6 +101,7 @@ Shoe make_shoe(const Model& model, std::uint64_t seed, std::uint64_t arm_seed) {
 
 struct Job {
   const char* name;
+  const char* process;  ///< whose tool and placement it has
   double set_newton;
   double gain_ratio, damping_ratio;  ///< of force mode: more gain for the softer tool
   sim::ContactTool tool;
@@ -108,7 +109,7 @@ struct Job {
 
 path::Process process_of(const Job& job) {
   path::Process process =
-      *path::read_process(std::filesystem::path{BITELINE_PROCESSES} / (std::string{job.name} + ".yaml"));
+      *path::read_process(std::filesystem::path{BITELINE_PROCESSES} / (std::string{job.process} + ".yaml"));
   process.motion.speed_mm_s = k_speed_mm_s;
   // The face lies against the wall, whichever way that leans.
   process.placement.outwards = path::Outwards::Normal;
@@ -306,8 +307,9 @@ void work(const Model& model, const std::vector<Shoe>& shoes, const Job& job, co
 
 int run(int count, std::uint64_t seed) {
   const auto arm = sim::ArmKinematics::named(k_arm);
-  const std::array jobs{Job{"grind", 20, 2, 0.3, sim::grinding_disc()},
-                        Job{"rough", 15, 2, 0.15, sim::roughing_brush()}};
+  const std::array jobs{Job{"grind", "grind", 20, 2, 0.3, sim::grinding_disc()},
+                        Job{"rough", "rough", 15, 2, 0.15, sim::roughing_brush()},
+                        Job{"roll", "grind", 20, 2, 0.3, sim::pressing_roller()}};
   std::array<Sums, jobs.size()> sums;
   for (int done = 0; done < count; done += k_shoes_each) {
     const std::uint64_t of_model = seed + static_cast<std::uint64_t>(done / k_shoes_each);
