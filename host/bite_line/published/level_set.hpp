@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 /// \file Normals, mean and Gaussian curvature of scattered points: PCA and the level-set fit
-/// (docs/published.md).
+/// (README.md).
 
 #include <cstdint>
 #include <span>
