@@ -13,6 +13,13 @@ function(biteline_unite target)
   endif()
 endfunction()
 
+# The rooms that libbiteline is made of (host/library): compiled so that a shared library may hold them, their names for nobody outside.
+# Everything else links the same archives: no room is compiled twice.
+set(BITELINE_CORE_ROOMS
+  core system geometry camera_state csv config image session rt_stripe stripe wire_messages wire
+  ended_by report archive host_geometry cloud curvature uncertainty bite_line scan_cloud intake transfer calibration kinematics path)
+set(BITELINE_CORE_OPTIONS -fPIC -fvisibility=hidden -fvisibility-inlines-hidden)
+
 # biteline_add_library(<module> SOURCES ... HEADERS ... [DEPENDS ...] [PRIVATE_DEPENDS ...] [ALONE ...] [NO_EXCEPTIONS] [EACH_ALONE] [QUICK])
 # makes target biteline_<module> with alias biteline::<module>; headers are included by their path from the root.
 # A module without SOURCES is an interface library.  ALONE: see biteline_unite; EACH_ALONE: all of them, as real-time code is.
@@ -20,6 +27,7 @@ endfunction()
 function(biteline_add_library module)
   cmake_parse_arguments(ARG "NO_EXCEPTIONS;EACH_ALONE;QUICK" "" "SOURCES;HEADERS;DEPENDS;PRIVATE_DEPENDS;ALONE" ${ARGN})
   set(target biteline_${module})
+  set(core "")
   if(ARG_SOURCES)
     add_library(${target} STATIC ${ARG_SOURCES})
     set(scope PUBLIC)
@@ -37,9 +45,15 @@ function(biteline_add_library module)
   if(ARG_SOURCES AND NOT ARG_EACH_ALONE)
     biteline_unite(${target} ${ARG_ALONE})
   endif()
+  if(ARG_SOURCES AND module IN_LIST BITELINE_CORE_ROOMS)
+    target_compile_options(${target} PRIVATE ${BITELINE_CORE_OPTIONS})
+    set(core CORE)
+  endif()
   if(ARG_NO_EXCEPTIONS AND ARG_SOURCES)
     target_compile_options(${target} PRIVATE -fno-exceptions)
-    biteline_precompile(${target} NO_EXCEPTIONS)
+    biteline_precompile(${target} NO_EXCEPTIONS ${core})
+  elseif(ARG_SOURCES AND core)
+    biteline_precompile(${target} CORE)
   elseif(ARG_SOURCES AND ARG_QUICK)
     biteline_precompile(${target} QUICK)
   elseif(ARG_SOURCES)
