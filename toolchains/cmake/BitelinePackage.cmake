@@ -2,18 +2,25 @@
 # What a unit gets: `cpack -G DEB` in a build folder makes biteline-firmware_<version>_<architecture>.deb.
 include(GNUInstallDirs)
 
-# biteline_package_sbom(COMPONENT PROGRAMS ... [PAGES ...]): what is in biteline-COMPONENT as CycloneDX, made when it is packed.
+# biteline_package_sbom(COMPONENT [PACKAGE name] PROGRAMS ... [PAGES ...] | FILES ...): what is in the package, by default
+# biteline-COMPONENT, as CycloneDX, made when it is packed.  FILES: by their path in the build folder.
 # A cross build has none: ldd asks this machine's loader.
 function(biteline_package_sbom component)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "PROGRAMS;PAGES")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "PACKAGE" "PROGRAMS;PAGES;FILES")
+  if(NOT arg_PACKAGE)
+    set(arg_PACKAGE biteline-${component})
+  endif()
   if(CMAKE_CROSSCOMPILING OR NOT CMAKE_GENERATOR STREQUAL Ninja)
     return()
   endif()
   set(file ${CMAKE_BINARY_DIR}/sbom/${component}.cdx.json)
-  set(command ${CMAKE_SOURCE_DIR}/toolchains/package/sbom.py --name biteline-${component} --version ${PROJECT_VERSION}
+  set(command ${CMAKE_SOURCE_DIR}/toolchains/package/sbom.py --name ${arg_PACKAGE} --version ${PROJECT_VERSION}
       --build ${CMAKE_BINARY_DIR} --lock ${CMAKE_SOURCE_DIR}/host/web/package-lock.json --out ${file})
   foreach(program IN LISTS arg_PROGRAMS)
     list(APPEND command --program ${CMAKE_BINARY_DIR}/bin/${program})
+  endforeach()
+  foreach(path IN LISTS arg_FILES)
+    list(APPEND command --program ${CMAKE_BINARY_DIR}/${path})
   endforeach()
   # As host/web decides whether the page is built.
   if(BITELINE_ESBUILD AND EXISTS ${CMAKE_SOURCE_DIR}/host/web/node_modules/preact)
@@ -23,7 +30,7 @@ function(biteline_package_sbom component)
   endif()
   string(JOIN "\" \"" words ${command})
   install(CODE "execute_process(COMMAND \"${words}\" COMMAND_ERROR_IS_FATAL ANY)" COMPONENT ${component})
-  install(FILES ${file} DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/biteline-${component} RENAME sbom.cdx.json COMPONENT ${component})
+  install(FILES ${file} DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${arg_PACKAGE} RENAME sbom.cdx.json COMPONENT ${component})
 endfunction()
 biteline_package_sbom(firmware PROGRAMS biteline-sensor)
 
@@ -69,5 +76,6 @@ else()
 endif()
 if(BITELINE_BUILD_HOST)
   include(BitelineHostPackages)
+  include(BitelineLibraryPackages)
 endif()
 include(CPack)

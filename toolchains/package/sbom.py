@@ -73,8 +73,8 @@ def headers_and_archives(build, programs):
     return used
 
 
-def shared_libraries(program):
-    """Files that the loader takes for it."""
+def shared_libraries(build, program):
+    """Files that the loader takes for it, but for those of this build."""
     done = subprocess.run(["ldd", program], capture_output=True, text=True, check=False)
     if done.returncode != 0:
         raise Unknown(f"{program}: ldd: {done.stderr.strip() or done.stdout.strip()}")
@@ -83,7 +83,7 @@ def shared_libraries(program):
         if "not found" in line:
             raise Unknown(f"{program}: {line.strip()}; install the library")
         match = re.search(r"(/\S+) \(0x", line)
-        if match:
+        if match and not pathlib.Path(match[1]).resolve().is_relative_to(build.resolve()):
             found.add(match[1])
     return found
 
@@ -158,7 +158,7 @@ def debian_component(package, facts, use):
 
 
 def debian_components(build, programs):
-    shared = owners_of(set().union(*(shared_libraries(program) for program in programs)))
+    shared = owners_of(set().union(*(shared_libraries(build, program) for program in programs)))
     compiled = owners_of(headers_and_archives(build, programs))
     facts = facts_of(set(shared.values()) | set(compiled.values()))
     sources = {facts[package]["source"] for package in shared.values()} | NO_CODE
