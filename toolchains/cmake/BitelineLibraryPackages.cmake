@@ -27,6 +27,7 @@ biteline_package_sbom(library PACKAGE ${package_library} FILES lib/libbiteline.s
 set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
 set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS_POLICY "=")
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_SECTION libs)
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_CONTROL_EXTRA ${CMAKE_SOURCE_DIR}/host/library/package/triggers)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEV_PACKAGE_SHLIBDEPS OFF)
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "${package_library} (= ${PROJECT_VERSION}), libeigen3-dev (>= 3.4)")
@@ -35,8 +36,8 @@ set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS OFF)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
   "${package_library} (= ${PROJECT_VERSION}), python3 (>= 3.11), python3 (<< 3.12), python3-numpy, libc6 (>= 2.36), libstdc++6 (>= 12), libgcc-s1")
 set(CPACK_COMPONENT_LIBRARY_DESCRIPTION "Shoe bite lines: finding, transfer, robot paths (library)
- Finds the line where a shoe's upper meets its sole in a point cloud, carries it
- over to the next upper, and plans a checked path of a robot along it.")
+ Finds the line where a shoe's upper meets its sole in a point cloud,
+ carries it over to the next upper, and plans a checked robot path.")
 set(CPACK_COMPONENT_DEV_DESCRIPTION "Shoe bite lines: finding, transfer, robot paths (headers)
  Headers, CMake and pkg-config files, and examples for libbiteline.")
 set(CPACK_COMPONENT_PYTHON_DESCRIPTION "Shoe bite lines: finding, transfer, robot paths (Python)
