@@ -87,6 +87,16 @@ const schema = {
         free_turn_deg: { type: 'number', minimum: 0, maximum: 180, 'x-unit': 'degrees', description: 'how far it may turn about its axis' },
       },
     },
+    placement: {
+      type: 'object',
+      properties: {
+        outward_mm: { type: 'number', minimum: -50, maximum: 200, 'x-unit': 'mm' },
+        up_mm: { type: 'number', minimum: -50, maximum: 200, 'x-unit': 'mm' },
+        standoff_mm: { type: 'number', minimum: 0, maximum: 500, 'x-unit': 'mm' },
+        tilt_deg: { type: 'number', minimum: -45, maximum: 90, 'x-unit': 'degrees' },
+        lead_deg: { type: 'number', minimum: -60, maximum: 60, 'x-unit': 'degrees' },
+      },
+    },
     motion: {
       type: 'object',
       properties: {
@@ -160,7 +170,7 @@ export class FakeCell {
       { key: 'region.height_px', value: '400 px', now: 400, kind: 'whole', unit: 'px', what: 'Rows; fewer are faster', range: [16, 16384] },
       { key: 'peaks.choice', value: 'continuity', now: 'continuity', kind: 'word', unit: '', what: 'Which of several peaks in a column', words: ['continuity', 'first', 'last', 'strongest'] },
     ];
-    this.process = { name: 'rough', tool: { tcp_position_mm: [0, 0, 120], free_turn_deg: 20 }, motion: { speed_mm_s: 60 }, start: 'auto' };
+    this.process = { name: 'rough', tool: { tcp_position_mm: [0, 0, 120], free_turn_deg: 20 }, placement: { outward_mm: 0, up_mm: 1.5, standoff_mm: 0, tilt_deg: 30, lead_deg: 0 }, motion: { speed_mm_s: 60 }, start: 'auto' };
     this.state = {
       version: '0.1.0', simulated: true, phase: 'deciding', now: 'scan-0004 waits for a person', next: 'send the path, or scan again', scan: 'scan-0004', progress: 0.7,
       lamps: {

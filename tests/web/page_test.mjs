@@ -691,6 +691,38 @@ const asked_to_try = cell.calls.filter((one) => one.path === '/processes/check')
 check(asked_to_try >= 3 && asked_to_try < 12, `tried ${asked_to_try} times`);
 check(cell.process.motion.speed_mm_s === 80 && cell.process.tool.tcp_position_mm[2] === 120, 'the process did not arrive whole');
 
+say('process form: the tool is set by dragging it in the picture');
+const placed = (label) => anna.page.getByRole('group', { name: 'Where the tip runs' }).getByLabel(label, { exact: false }).inputValue().then(Number);
+/// From a handle by so many units of the picture, whose handles are 80 wide.
+async function drag_handle(name, across, up) {
+  const handle = anna.page.locator(`[data-handle="${name}"] .reach`);
+  await handle.scrollIntoViewIfNeeded();
+  const box = await handle.boundingBox();
+  const px = box.width / 80;
+  const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+  await anna.page.mouse.move(x, y);
+  await anna.page.mouse.down();
+  await anna.page.mouse.move(x + across * px, y - up * px, { steps: 5 });
+  await anna.page.mouse.up();
+}
+// 25 mm are 90 units: 36 units are 10 mm, 18 are 5 mm.
+await drag_handle('Beside the line', 36, 18);
+check(Math.abs((await placed('Beside the line')) - 10) <= 0.5 && Math.abs((await placed('Above the line')) - 6.5) <= 0.5, 'the tip is not where it was dragged');
+// Along the tool's axis, which is 30 degrees up.
+await drag_handle('Standoff', 36 * Math.cos(Math.PI / 6), 36 * Math.sin(Math.PI / 6));
+check(Math.abs((await placed('Standoff')) - 10) <= 0.5, `standoff ${await placed('Standoff')}`);
+// To straight above the line: from 124 units at lead 0 to as many across, 45 degrees leant back.
+await drag_handle('Lead', -124, 0);
+check(Math.abs((await placed('Lead')) - 45) <= 1, `lead ${await placed('Lead')}`);
+await drag_handle('Lead', -2000, 0);
+check((await placed('Lead')) === 60, 'a drag went beyond the range');
+await drag_handle('Tilt', -2000, 0);
+check([-45, 90].includes(await placed('Tilt')), `tilt ${await placed('Tilt')}`);
+await look_for_faults(anna.page, 'a process set in its picture');
+await whole_page(anna.page, join(pictures, 'process_picture_1280.png'));
+await anna.page.getByRole('button', { name: 'Undo' }).click();
+check((await placed('Lead')) === 0 && (await placed('Tilt')) === 30, 'undo did not bring the values back');
+
 say('a model, a user');
 await anna.page.goto(`${address}#/models`);
 await anna.page.getByLabel('Name', { exact: true }).fill('boot-40');

@@ -4,6 +4,7 @@ import type { JSX } from 'preact';
 import type { Fault } from 'openapi';
 import { help_words, t, t_or } from '../words';
 import type { Schema } from './json_schema';
+import { PlacementPicture } from './placement_picture';
 
 export type Value = unknown;
 
@@ -76,6 +77,7 @@ export function Field(props: {
       <fieldset>
         <legend>{title}</legend>
         {told}
+        {path === 'placement' && <PlacementPicture value={value} schema={schema} change={props.change} />}
         {Object.entries(schema.properties ?? {}).map(([key, part]) => (
           <Field
             key={key}
