@@ -17,6 +17,10 @@ for drawing in section check_lap laser_class second_look sensor_bracket sensor_w
 # An upper has no groove: its cloud is what is wanted, and the refusal (exit status 3) is right.
 "$bin/biteline" replay "$work/upper-session" --out "$work/upper" --quiet || [ $? -eq 3 ]
 "$bin/biteline" transfer --sample "$work/sample" --upper "$work/upper/cloud.ply" --out "$work/carried" --quiet
+"$bin/biteline-cell" record-cloud --seed 5 --shoe boot --size 42 --within-reach-of ur10e --out "$work/boot"
+"$bin/biteline" extract "$work/boot/cloud.ply" --out "$work/boot-line" --quiet
+"$bin/biteline" plan "$work/boot-line/line.csv" --robot UR10e --process "$here/../../host/robot/path/processes/cement.yaml" --out "$work/path" --quiet
+/usr/bin/python3 "$here/shoe_line_tool.py" "$work/boot-line" "$work/path" >"$here/shoe_line_tool.svg"
 
 for picture in 1_point_cloud 2_feature_points unrolled_curvature 6_sequence; do
   cp "$work/sample/stages/$picture.png" "$here/"
