@@ -178,9 +178,12 @@ def check_stripe(installed):
     if not installed.has_python:
         return
     told = installed.python("stripe", GOLDEN / "head/truth/sensor.yaml").split()
-    # Rounding to grey levels (0.29 of 180, over some 6 rows) moves a row by 0.002 px, the largest of 1000 by four times that;
-    # a pixel is at most 0.1 mm there in height.
-    assert int(told[0]) > 100 and float(told[-2]) < 0.002 * 4 * 0.1, told
+    # Of 1626 columns none is off by more than five of the standard deviations that the finder itself states for a row.
+    sensor = str(GOLDEN / "head/truth/sensor.yaml")
+    lines = [f"import biteline; head = biteline.read_head({sensor!r}); u, v = head.width_px / 2, head.height_px / 2",
+             "z = head.triangulate([u, u], [v, v + 1])[:, 2]; print(abs(z[1] - z[0]))"]
+    mm_per_px = float(run("/usr/bin/python3", "-c", "\n".join(lines), env=installed.env))
+    assert int(told[0]) > 100 and float(told[told.index("error") + 1]) < 5 * float(told[-2]) * mm_per_px, (told, mm_per_px)
 
 
 def check_types(installed):

@@ -20,4 +20,5 @@ picture = np.round(10 + 180 * np.exp(-0.5 * ((np.arange(head.height_px)[:, None]
 
 stripe = biteline.find_stripe(picture)
 found = head.triangulate(stripe["column_px"], stripe["row_px"])[:, 2]
-print(f"{len(found)} columns, plane at {z:.4f} mm, found at {found.mean():.4f} mm, largest error {abs(found - z).max():.4f} mm")
+print(f"{len(found)} columns, plane at {z:.4f} mm, found at {found.mean():.4f} mm")
+print(f"largest error {abs(found - z).max():.5f} mm; a row's stated standard deviation {stripe['sigma_row_px'].mean():.5f} px")
