@@ -80,7 +80,7 @@ TEST(BadInput, UnspoiledSessionIsReadableButRefused) {
 
 TEST(BadInput, MistypedCommandIsToldWithTheOneItMayBeMeantFor) {
   ends_with(2, {"replya", "--out", "x"}, "no command 'replya'; did you mean replay?");
-  ends_with(2, {"polish"}, "no command 'polish'; there are target, transfer");
+  ends_with(2, {"polish"}, "no command 'polish'; there are doctor, demo");
 }
 
 TEST(BadInput, MissingSession) {

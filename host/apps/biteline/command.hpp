@@ -2,7 +2,9 @@
 #pragma once
 /// \file How a subcommand of `biteline` hooks in: one file, one add_<command>() each.
 
+#include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 
 #include "common/core/result.hpp"
@@ -27,6 +29,16 @@ struct Context {
 /// A command's last words.  With --json exactly report.json on stdout, whatever the verdict; else `words` for
 /// a person, on stderr when refused.  Call after the report was written.
 [[nodiscard]] ExitStatus tell(report::Report& report, const GlobalOptions& global, const std::string& words);
+
+/// As tell(), for a command that wrote `folder` with its index.html: the page to open and what to do next, on
+/// stdout: a refusal stays one line on stderr. `told` is why there is no sure result; its own next step is
+/// told then, and `next` otherwise.
+[[nodiscard]] ExitStatus tell_folder(report::Report& report, const GlobalOptions& global,
+                                     const std::string& words, const std::filesystem::path& folder,
+                                     const std::optional<report::ToldRefusal>& told, const std::string& next);
+
+/// The next step after a line was found into `folder`: a path along it.
+[[nodiscard]] std::string plan_step(const std::filesystem::path& folder);
 
 void add_batch(options::Command& app, Context& context);
 void add_calibrate(options::Command& app, Context& context);

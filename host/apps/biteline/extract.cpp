@@ -60,9 +60,10 @@ Result<ExitStatus> extract(const ExtractOptions& options, const GlobalOptions& g
   BITELINE_TRY(results::write_line_result(options.out, file.cloud, found.extraction, found.stages, report));
   BITELINE_TRY(put_back(options.out, file, found.extraction.line));
   const std::string summary = results::summary(found.extraction);
-  return tell(report, global,
-              found.extraction.found ? "read: " + file.understood + "\n" + summary
-                                     : summary + " (read: " + file.understood + ")");
+  return tell_folder(report, global,
+                     found.extraction.found ? "read: " + file.understood + "\n" + summary
+                                            : summary + " (read: " + file.understood + ")",
+                     options.out, found.extraction.told(), plan_step(options.out));
 }
 
 }  // namespace

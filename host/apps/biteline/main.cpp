@@ -123,6 +123,21 @@ ExitStatus tell(report::Report& report, const GlobalOptions& global, const std::
   return report.status();
 }
 
+ExitStatus tell_folder(report::Report& report, const GlobalOptions& global, const std::string& words,
+                       const std::filesystem::path& folder, const std::optional<report::ToldRefusal>& told,
+                       const std::string& next) {
+  const ExitStatus status = tell(report, global, words);
+  if (global.json || global.quiet) return status;
+  std::printf("  page: %s\n", (folder / "index.html").c_str());
+  const std::string& step = told ? told->next_step : next;
+  if (!step.empty()) std::printf("  next: %s\n", step.c_str());
+  return status;
+}
+
+std::string plan_step(const std::filesystem::path& folder) {
+  return "biteline plan " + (folder / "line.csv").string() + " --robot NAME --process FILE --out DIR";
+}
+
 }  // namespace biteline::app
 
 int main(int argc, char** argv) {
@@ -136,33 +151,34 @@ int main(int argc, char** argv) {
   app.add_flag("--quiet", context.options.quiet, "No progress, no words beyond the result");
   app.add_flag("--json", context.options.json, "The result's report.json on stdout, and nothing else");
   app.set_version_flag("-V,--version", "biteline " BITELINE_VERSION);
-  add_target(app, context);
-  add_transfer(app, context);
-  add_capture(app, context);
-  add_demo(app, context);
+  // In the order of the work, as --help tells them: a cell made ready, a scan, its line, its path, the books.
   add_doctor(app, context);
-  add_evaluate(app, context);
-  add_explain(app, context);
-  add_extract(app, context);
-  add_flow_test(app, context);
-  add_history(app, context);
-  add_calibrate(app, context);
-  add_inspect(app, context);
-  add_keys(app, context);
+  add_demo(app, context);
   add_laser_class(app, context);
-  add_line(app, context);
-  add_model(app, context);
+  add_target(app, context);
+  add_capture(app, context);
+  add_calibrate(app, context);
   add_mounted(app, context);
+  add_flow_test(app, context);
+  add_keys(app, context);
+  add_settings(app, context);
   add_record(app, context);
   add_replay(app, context);
-  add_rework(app, context);
+  add_extract(app, context);
+  add_inspect(app, context);
+  add_explain(app, context);
+  add_line(app, context);
+  add_model(app, context);
+  add_transfer(app, context);
   add_plan(app, context);
-  add_batch(app, context);
-  add_settings(app, context);
-  add_study(app, context);
-  add_sweep(app, context);
+  add_rework(app, context);
+  add_history(app, context);
   add_work_force(app, context);
   add_work_quality(app, context);
+  add_study(app, context);
+  add_evaluate(app, context);
+  add_batch(app, context);
+  add_sweep(app, context);
 
   if (const std::optional<biteline::options::Leave> leave = app.parse(words_of(argc, argv))) {
     if (leave->fault.empty()) return 0;

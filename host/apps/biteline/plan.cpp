@@ -72,7 +72,9 @@ Result<ExitStatus> run_plan(const PlanOptions& options, const GlobalOptions& glo
   BITELINE_TRY(report.timed_aside(
       "coverage", [&] { return results::write_coverage(options.out, request, outcome, report); }));
   BITELINE_TRY(results::write_plan_result(options.out, request, outcome, report));
-  return tell(report, global, summary(request, outcome, options.out));
+  const auto told = outcome.refusal ? std::optional{report::told(*outcome.refusal)} : std::nullopt;
+  return tell_folder(report, global, summary(request, outcome, options.out), options.out, told,
+                     "look at the path on the page; biteline-host --send sends one of a new scan");
 }
 
 }  // namespace

@@ -161,7 +161,8 @@ Result<ExitStatus> replay(ReplayOptions options, const GlobalOptions& global) {
       run.stream_s > 0 ? static_cast<double>(run.counts.profiles) / run.stream_s : 0.0;
   if (const auto refusal = consistency::refusal_of(pictures)) {
     BITELINE_TRY(results::write_refused_result(options.out, run.cloud, report::told(*refusal), report));
-    return tell(report, global, "refused: " + refusal->reason);
+    return tell_folder(report, global, "refused: " + refusal->reason, options.out, report::told(*refusal),
+                       {});
   }
   BITELINE_TRY(results::write_line_result(options.out, run.cloud, found.extraction, found.stages, report));
   // A sure line may lie beside the shoe then; one that is refused has its own reason.
@@ -171,7 +172,8 @@ Result<ExitStatus> replay(ReplayOptions options, const GlobalOptions& global) {
                  "biteline: nobody vouches for the pictures' place: no camera state was recorded; %s\n",
                  pictures.words.c_str());
   }
-  return tell(report, global, results::summary(found.extraction));
+  return tell_folder(report, global, results::summary(found.extraction), options.out, found.extraction.told(),
+                     plan_step(options.out));
 }
 
 }  // namespace

@@ -102,9 +102,10 @@ Result<ExitStatus> transfer(const TransferOptions& options, const GlobalOptions&
     BITELINE_TRY(cloud::write_line(options.out / "line.csv", line));
   }
   const std::string summary = results::summary(result);
-  return tell(report, global,
-              result.found ? "read: " + upper.understood + "\n" + summary
-                           : summary + " (read: " + upper.understood + ")");
+  return tell_folder(report, global,
+                     result.found ? "read: " + upper.understood + "\n" + summary
+                                  : summary + " (read: " + upper.understood + ")",
+                     options.out, result.told(), plan_step(options.out));
 }
 
 }  // namespace
