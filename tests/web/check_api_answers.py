@@ -76,7 +76,7 @@ class Api:
                 value = [self.closed(one, key == "allOf") for one in value]
             elif key == "properties":
                 value = {name: self.closed(one) for name, one in value.items()}
-            elif key == "items":
+            elif key in ("items", "additionalProperties") and isinstance(value, dict):
                 value = self.closed(value)
             out[key] = value
         if ("properties" in out or "allOf" in out) and not part:

@@ -134,7 +134,7 @@ export class FakeCell {
     this.checks = 0;
     this.most_checks = 0;
     this.view_fails = false;
-    this.mounted = { version: 0, tip: null, payload: null, table: null, lesson: null, controller: null };
+    this.mounted = { version: 0, tool: null, shelf: {}, tip: null, payload: null, table: null, lesson: null, controller: null };
     /// So long the gate lets the scan that waits through; null: not at all.
     this.fresh_s = 95;
     this.calls = [];
@@ -333,7 +333,10 @@ export class FakeCell {
     const name = part.slice(1);
     mounted.version += 1;
     if (method === 'DELETE') mounted[name] = null;
-    else if (name === 'payload') {
+    else if (name === 'tool') {
+      if (mounted.tool) mounted.shelf[mounted.tool.name] = { tip: mounted.tip, payload: mounted.payload };
+      mounted.tool = { ...how, name: given.name };
+    } else if (name === 'payload') {
       mounted.payload = { ...how, kg: given.kg, centre_mm: given.centre_mm };
       mounted.controller = { tip_mm: [0, 0, 180], payload_kg: 0.5, payload_centre_mm: [0, 0, 20], carries_as_taught: false };
     } else {

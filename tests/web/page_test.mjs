@@ -234,6 +234,13 @@ await tip.getByRole('button', { name: 'Take the last one back' }).click();
 await tip.getByText('(0.12, -0.31, 180.20) mm; residual 0.12 mm, U95 0.20 mm', { exact: false }).waitFor();
 await tip.getByRole('button', { name: 'Save' }).click();
 await tip.getByText('Version 1, anna', { exact: false }).waitFor();
+const tool = anna.page.getByRole('region', { name: 'Tool', exact: true });
+for (const [name, version] of [['gun_a', 2], ['brush', 3]]) {
+  await tool.getByLabel('Name of the tool').fill(name);
+  await tool.getByRole('button', { name: 'It is mounted' }).click();
+  await tool.getByText(`${name}. Version ${version}, anna`, { exact: false }).waitFor();
+}
+await tool.getByText('Other tools of the cell: gun_a', { exact: false }).waitFor();
 const payload = anna.page.getByRole('region', { name: 'Payload' });
 await payload.getByLabel('Mass').fill('1.6');
 for (const [axis, mm] of [['x', '0'], ['y', '0'], ['z', '65']]) await payload.getByLabel(`Centre ${axis}`).fill(mm);
