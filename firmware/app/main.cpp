@@ -67,7 +67,7 @@ class UnitCount {
     if (keeper) {
       keeper_.emplace(std::move(*keeper));
     } else {
-      complain(keeper.error());
+      log_error(keeper.error());
     }
   }
 
@@ -85,7 +85,7 @@ class UnitCount {
   /// Pre: dark.
   void write() {
     if (!keeper_) return;
-    if (const Result<void> written = keeper_->write(); !written) complain(written.error());
+    if (const Result<void> written = keeper_->write(); !written) log_error(written.error());
   }
 
  private:
@@ -105,7 +105,7 @@ class UnitCount {
     return state;
   }
 
-  static void complain(const Error& error) {
+  static void log_error(const Error& error) {
     std::fprintf(stderr, "biteline-sensor: what the unit goes through is not counted: %s\n",
                  to_line(error).c_str());
   }

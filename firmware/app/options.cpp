@@ -12,7 +12,7 @@
 namespace biteline::sensor {
 namespace {
 
-int complain(const std::string& line) {
+int log_error(const std::string& line) {
   std::fprintf(stderr, "biteline-sensor: %s\n", line.c_str());
   return static_cast<int>(ExitStatus::BadInput);
 }
@@ -121,19 +121,19 @@ ParsedOptions parse_options(int argc, char** argv) {
                "With --sensor: take pictures for three seconds in the dark, and fail where "
                "this program does not keep up with the head's rate");
   if (const std::optional<options::Leave> leave = app.parse(argc, argv)) {
-    parsed.leave_with = leave->fault.empty() ? 0 : complain(leave->fault + " (see --help)");
+    parsed.leave_with = leave->fault.empty() ? 0 : log_error(leave->fault + " (see --help)");
     return parsed;
   }
   if (options.check_rate && !options.source.sensor_file) {
-    parsed.leave_with = complain("--check-rate: --sensor is needed (see --help)");
+    parsed.leave_with = log_error("--check-rate: --sensor is needed (see --help)");
     return parsed;
   }
   if ((options.keep || options.record_asked) && !options.record) {
-    parsed.leave_with = complain("--keep, --record-asked: --record is needed (see --help)");
+    parsed.leave_with = log_error("--keep, --record-asked: --record is needed (see --help)");
     return parsed;
   }
   if (options.source.source.empty() && !options.make_keys && !options.keep) {
-    parsed.leave_with = complain("--source is needed (see --help)");
+    parsed.leave_with = log_error("--source is needed (see --help)");
     return parsed;
   }
   // systemd's name for it; an older program of the same unit knows no such option.
@@ -146,7 +146,7 @@ ParsedOptions parse_options(int argc, char** argv) {
     if (std::filesystem::is_directory(settings_file, unseen)) settings_file /= settings::k_start_file;
     Result<settings::SettingsSet> set = settings::read_settings(settings_file);
     if (!set) {
-      parsed.leave_with = complain(to_line(set.error()));
+      parsed.leave_with = log_error(to_line(set.error()));
       return parsed;
     }
     options.peaks = put_over(options.peaks, *set);
@@ -154,7 +154,7 @@ ParsedOptions parse_options(int argc, char** argv) {
   }
   const Result<wire::Endpoint> endpoint = wire::parse_endpoint(listen);
   if (!endpoint) {
-    parsed.leave_with = complain(to_line(endpoint.error()));
+    parsed.leave_with = log_error(to_line(endpoint.error()));
     return parsed;
   }
   options.listen = *endpoint;

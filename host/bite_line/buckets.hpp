@@ -10,7 +10,7 @@
 
 #include <tbb/parallel_for.h>
 
-#include "host/bite_line/large.hpp"
+#include "host/bite_line/pooled_vector.hpp"
 
 namespace biteline::bite_line {
 
@@ -22,7 +22,7 @@ class Buckets {
   Buckets(std::size_t items, std::size_t buckets, BucketOf&& bucket_of) : start_(buckets + 1, 0) {
     constexpr std::size_t k_chunk = 16384;
     const std::size_t chunks = (items + k_chunk - 1) / k_chunk;
-    Large<int> bucket(items);
+    PooledVector<int> bucket(items);
     std::vector<std::vector<std::uint32_t>> next(chunks);
     const auto for_chunks = [&](auto&& use) {
       tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t chunk) {
@@ -54,15 +54,15 @@ class Buckets {
 
  private:
   std::vector<std::uint32_t> start_;
-  Large<std::uint32_t> items_;
+  PooledVector<std::uint32_t> items_;
 };
 
 /// The items for which `wanted(item)` holds, in rising order.
 template <class Wanted>
-[[nodiscard]] Large<std::uint32_t> items_where(std::size_t items, Wanted&& wanted) {
+[[nodiscard]] PooledVector<std::uint32_t> items_where(std::size_t items, Wanted&& wanted) {
   constexpr std::size_t k_chunk = 16384;
   const std::size_t chunks = (items + k_chunk - 1) / k_chunk;
-  Large<std::uint32_t> found(items);
+  PooledVector<std::uint32_t> found(items);
   std::vector<std::size_t> first(chunks + 1, 0);
   tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t chunk) {
     std::uint32_t* const begin = found.data() + chunk * k_chunk;
@@ -74,7 +74,7 @@ template <class Wanted>
     first[chunk + 1] = static_cast<std::size_t>(next - begin);
   });
   for (std::size_t chunk = 0; chunk < chunks; ++chunk) first[chunk + 1] += first[chunk];
-  Large<std::uint32_t> kept;
+  PooledVector<std::uint32_t> kept;
   kept.resize(first.back());
   tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t chunk) {
     std::copy_n(found.data() + chunk * k_chunk, first[chunk + 1] - first[chunk], kept.data() + first[chunk]);

@@ -15,7 +15,7 @@
 #include "host/cloud/closed_line.hpp"
 #include "host/cloud/uncertainty/arm_sway.hpp"
 #include "host/cloud/uncertainty/scan_spread.hpp"
-#include "host/records/report/stage_clock.hpp"
+#include "host/report/stage_clock.hpp"
 
 namespace biteline::bite_line {
 

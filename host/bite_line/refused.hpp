@@ -4,7 +4,7 @@
 
 #include <tl/expected.hpp>
 
-#include "host/records/report/refusal.hpp"
+#include "host/report/refusal.hpp"
 
 namespace biteline::bite_line {
 

@@ -28,8 +28,8 @@ std::vector<std::size_t> pieces_of(const cloud::PointCloud& cloud) {
 }
 
 struct PieceRuns {
-  Large<Eigen::Vector3f> means;
-  Large<std::uint32_t> first_point;
+  PooledVector<Eigen::Vector3f> means;
+  PooledVector<std::uint32_t> first_point;
   std::size_t alone{0};  ///< runs of one
 };
 
@@ -38,8 +38,8 @@ template <class ProfileEnd>
 PieceRuns runs_between(std::span<const Eigen::Vector3f> points, std::size_t first, std::size_t end,
                        ProfileEnd&& profile_end) {
   // Room for runs of one: arrays that grow would cost more than the runs themselves.
-  Large<Eigen::Vector3f> means(end - first);
-  Large<std::uint32_t> first_point(end - first);
+  PooledVector<Eigen::Vector3f> means(end - first);
+  PooledVector<std::uint32_t> first_point(end - first);
   std::size_t runs = 0, alone = 0;
   while (first < end) {
     const std::span profile = points.first(profile_end(first));
@@ -122,8 +122,8 @@ PointRuns runs_of(const cloud::PointCloud& cloud) {
   return all;
 }
 
-Large<Eigen::Vector3f> points_behind(const ScanPoints& scan, const Shoe& shoe,
-                                     std::span<const std::uint32_t> of_shoe) {
+PooledVector<Eigen::Vector3f> points_behind(const ScanPoints& scan, const Shoe& shoe,
+                                            std::span<const std::uint32_t> of_shoe) {
   constexpr std::size_t k_piece = 4096;
   const std::size_t pieces = (of_shoe.size() + k_piece - 1) / k_piece;
   const auto for_runs = [&](std::size_t piece, auto&& use) {
@@ -135,7 +135,7 @@ Large<Eigen::Vector3f> points_behind(const ScanPoints& scan, const Shoe& shoe,
     for_runs(piece, [&](std::span<const Eigen::Vector3f> run) { first[piece + 1] += run.size(); });
   });
   std::partial_sum(first.begin(), first.end(), first.begin());
-  Large<Eigen::Vector3f> points;
+  PooledVector<Eigen::Vector3f> points;
   points.resize(first.back());
   const Eigen::Isometry3f T_shoe_base = shoe.T_base_shoe.inverse().cast<float>();
   tbb::parallel_for(std::size_t{0}, pieces, [&](std::size_t piece) {

@@ -9,7 +9,7 @@
 
 #include <Eigen/Core>
 
-#include "host/bite_line/large.hpp"
+#include "host/bite_line/pooled_vector.hpp"
 #include "host/bite_line/shoe/shoe.hpp"
 #include "host/cloud/point_cloud.hpp"
 #include "host/cloud/uncertainty/arm_sway.hpp"
@@ -66,9 +66,9 @@ struct ScanPoints {
 
 /// The runs of a cloud, as neighbours lie in its own order.
 struct PointRuns {
-  Large<Eigen::Vector3f> means;  ///< empty: each point is a run
-  Large<std::uint32_t> first_point;
-  Large<RunLook> looks;  ///< empty: the cloud knows no amplitude
+  PooledVector<Eigen::Vector3f> means;  ///< empty: each point is a run
+  PooledVector<std::uint32_t> first_point;
+  PooledVector<RunLook> looks;  ///< empty: the cloud knows no amplitude
   bool in_scan_order{false};
 
   [[nodiscard]] ScanPoints scan(std::span<const Eigen::Vector3f> points) const {
@@ -84,7 +84,7 @@ struct PointRuns {
 [[nodiscard]] PointRuns runs_of(const cloud::PointCloud& cloud);
 
 /// All points of the runs behind these points of the shoe (indices into its `points`), in shoe.
-[[nodiscard]] Large<Eigen::Vector3f> points_behind(const ScanPoints& scan, const Shoe& shoe,
-                                                   std::span<const std::uint32_t> of_shoe);
+[[nodiscard]] PooledVector<Eigen::Vector3f> points_behind(const ScanPoints& scan, const Shoe& shoe,
+                                                          std::span<const std::uint32_t> of_shoe);
 
 }  // namespace biteline::bite_line

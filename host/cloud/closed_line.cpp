@@ -14,7 +14,7 @@
 #include "common/csv/table.hpp"
 #include "host/cloud/far_line.hpp"
 #include "host/cloud/source_word.hpp"
-#include "host/records/report/report.hpp"
+#include "host/report/report.hpp"
 
 namespace biteline::cloud {
 namespace {

@@ -12,7 +12,7 @@
 #include "common/geometry/se3.hpp"
 #include "host/cloud/length_unit.hpp"
 #include "host/cloud/point_cloud.hpp"
-#include "host/records/report/refusal.hpp"
+#include "host/report/refusal.hpp"
 
 namespace biteline::cloud {
 

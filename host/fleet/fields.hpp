@@ -10,7 +10,7 @@
 
 #include "common/core/result.hpp"
 #include "common/core/text_bounds.hpp"
-#include "host/doors/control/messages.hpp"
+#include "host/interfaces/control/messages.hpp"
 
 namespace biteline::fleet {
 

@@ -18,7 +18,7 @@
 #include <string_view>
 #include <thread>
 
-#include "host/doors/control/exposition.hpp"
+#include "host/interfaces/control/exposition.hpp"
 
 namespace biteline::fleet {
 namespace {

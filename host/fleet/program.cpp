@@ -18,7 +18,7 @@ const std::atomic<bool>& told_to_stop() {
   return g_stop;
 }
 
-int complain(const char* program, const std::string& line, ExitStatus status) {
+int log_error(const char* program, const std::string& line, ExitStatus status) {
   std::fprintf(stderr, "%s: %s\n", program, line.c_str());
   return static_cast<int>(status);
 }
@@ -33,7 +33,7 @@ int run_until_told(const char* program, int argc, char** argv, int (*run)(int, c
   try {
     return run(argc, argv);
   } catch (const std::exception& error) {
-    return complain(program, std::string{"internal failure: "} + error.what(), ExitStatus::Connection);
+    return log_error(program, std::string{"internal failure: "} + error.what(), ExitStatus::Connection);
   }
 }
 

@@ -13,7 +13,7 @@ namespace biteline::fleet {
 [[nodiscard]] const std::atomic<bool>& told_to_stop();
 
 /// One line on stderr under the program's name, and the exit status for `return`.
-int complain(const char* program, const std::string& line, ExitStatus status);
+int log_error(const char* program, const std::string& line, ExitStatus status);
 
 /// Runs `run(argc, argv)` under the signals above; an exception ends in one line.
 int run_until_told(const char* program, int argc, char** argv, int (*run)(int, char**));

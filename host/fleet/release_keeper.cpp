@@ -7,7 +7,7 @@
 #include <cerrno>
 
 #include "host/records/digest/digest.hpp"
-#include "host/records/report/report.hpp"
+#include "host/report/report.hpp"
 
 namespace biteline::fleet {
 namespace {

@@ -2,7 +2,7 @@
 #pragma once
 /// \file Why a scan that came in is not worked on.
 
-#include "host/records/report/refusal.hpp"
+#include "host/report/refusal.hpp"
 
 namespace biteline::intake {
 

@@ -15,7 +15,7 @@
 
 #include "common/system/file.hpp"
 #include "common/wire/scan_file.hpp"
-#include "host/records/report/file_lock.hpp"
+#include "host/report/file_lock.hpp"
 
 namespace biteline::intake {
 namespace {

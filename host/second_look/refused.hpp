@@ -4,7 +4,7 @@
 
 #include <span>
 
-#include "host/records/report/refusal.hpp"
+#include "host/report/refusal.hpp"
 
 namespace biteline::second_look {
 

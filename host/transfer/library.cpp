@@ -18,8 +18,8 @@
 #include "common/wire/checksum.hpp"
 #include "host/cloud/ply.hpp"
 #include "host/records/archive/archive.hpp"
-#include "host/records/report/json_text.hpp"
-#include "host/records/report/report.hpp"
+#include "host/report/json_text.hpp"
+#include "host/report/report.hpp"
 
 namespace biteline::transfer {
 namespace {

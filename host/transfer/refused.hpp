@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "host/bite_line/side/seam_step.hpp"
-#include "host/records/report/refusal.hpp"
+#include "host/report/refusal.hpp"
 
 namespace biteline::transfer {
 

@@ -14,7 +14,7 @@
 #include "common/core/numbers.hpp"
 #include "common/system/file.hpp"
 #include "common/wire/checksum.hpp"
-#include "host/records/report/report.hpp"
+#include "host/report/report.hpp"
 
 namespace biteline::transfer {
 namespace {

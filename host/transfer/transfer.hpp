@@ -6,7 +6,7 @@
 
 #include "host/bite_line/side/seam_step.hpp"
 #include "host/cloud/uncertainty/whole_scan.hpp"
-#include "host/records/report/stage_clock.hpp"
+#include "host/report/stage_clock.hpp"
 #include "host/transfer/align/alignment.hpp"
 #include "host/transfer/carry/carried_line.hpp"
 #include "host/transfer/ready_sample.hpp"

@@ -3,9 +3,9 @@
 // hosts, bytes of a PLC.  Each is read or refused in one line; what is read is told again and read the same
 // way.
 #include "host/apps/biteline-web/line/line_talk.hpp"
-#include "host/doors/control/messages.hpp"
 #include "host/fleet/messages.hpp"
 #include "host/fleet/sparkplug/node.hpp"
+#include "host/interfaces/control/messages.hpp"
 #include "tests/fuzz/case.hpp"
 
 using namespace biteline;

@@ -2,7 +2,7 @@
 // The GigE Vision face: any commands in any order from two clients, with profiles between them.  Nothing is
 // sent to a third address, and no answer is longer than the standard allows.
 #include "common/gige/bootstrap.hpp"
-#include "host/doors/gige/device.hpp"
+#include "host/interfaces/gige/device.hpp"
 #include "tests/fuzz/case.hpp"
 #include "tests/support/made_profile.hpp"
 

@@ -11,8 +11,8 @@
 #include "common/wire/messages.hpp"
 #include "host/cloud/closed_line.hpp"
 #include "host/cloud/ply.hpp"
-#include "host/doors/control/messages.hpp"
 #include "host/fleet/messages.hpp"
+#include "host/interfaces/control/messages.hpp"
 #include "tests/support/made_profile.hpp"
 
 using namespace biteline;

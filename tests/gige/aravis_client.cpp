@@ -5,7 +5,7 @@
 
 #include <string_view>
 
-#include "host/doors/gige/frame.hpp"
+#include "host/interfaces/gige/frame.hpp"
 
 namespace biteline::test {
 namespace {

@@ -14,7 +14,7 @@
 #include <thread>
 
 #include "common/gige/bootstrap.hpp"
-#include "host/doors/gige/server.hpp"
+#include "host/interfaces/gige/server.hpp"
 #include "tests/gige/aravis_client.hpp"
 #include "tests/support/errors.hpp"
 #include "tests/support/made_profile.hpp"

@@ -23,10 +23,10 @@ forbid hal '(firmware|host|tests)/' 'hal knows common only'
 forbid firmware '(host|tests)/' 'firmware knows common and hal'
 forbid host '(hal|firmware|tests)/' 'host knows common only: sensor and robot are network peers'
 forbid 'hal/api hal/board hal/timing' 'hal/(linux|replay|sim)/' 'interfaces, board data and arithmetic know no backend'
-forbid host/fleet 'host/(intake|robot|doors/(api|accounts)|records/results|apps)/' 'the fleet knows the memory, not the cell'
-forbid 'common firmware hal host/records/memory host/doors/api host/doors/control host/apps/biteline-host host/apps/biteline-web' '(mosquitto|pqxx)' 'the cell waits for no network: broker and database are reached by host/fleet alone'
-forbid host/doors/line_control 'host/(intake|robot|doors/(api|accounts)|records/(memory|results)|apps)/' 'the state machine of the line knows no door and no memory'
-for algorithm in geometry cloud bite_line calibration transfer second_look study robot/kinematics robot/path records/report; do
+forbid host/fleet 'host/(intake|robot|interfaces/(api|accounts)|records/results|apps)/' 'the fleet knows the memory, not the cell'
+forbid 'common firmware hal host/records/memory host/interfaces/api host/interfaces/control host/apps/biteline-host host/apps/biteline-web' '(mosquitto|pqxx)' 'the cell waits for no network: broker and database are reached by host/fleet alone'
+forbid host/interfaces/line_control 'host/(intake|robot|interfaces/(api|accounts)|records/(memory|results)|apps)/' 'the state machine of the line knows no door and no memory'
+for algorithm in geometry cloud bite_line calibration transfer second_look study robot/kinematics robot/path report; do
   forbid "host/$algorithm" 'host/(intake|robot/link|records/results|doors|fleet|apps)/' 'algorithms know neither the network nor results nor the programs'
 done
 product=$(cd "$root" && ls -d host/cloud host/bite_line/* host/intake host/transfer host/records 2>/dev/null | grep -v '/published$')

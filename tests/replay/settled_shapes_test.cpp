@@ -6,8 +6,8 @@
 #include <cfenv>
 #include <string>
 
+#include "host/bite_line/edit/edit.hpp"
 #include "host/bite_line/find_bite_line.hpp"
-#include "host/bite_line/mend/mend.hpp"
 #include "host/cloud/flagged.hpp"
 #include "host/cloud/ply.hpp"
 #include "host/robot/path/checks/line_check.hpp"
@@ -57,14 +57,14 @@ TEST(SettledShapes, ALineForReviewIsWorkedAndCarriedOnceAPersonHasTakenIt) {
     CHECK(found.found == (cloud::flagged_share(found.line) <= cloud::k_most_flagged_share));
     if (!found.found) CHECK_FALSE(path::all_passed(path::check_line(found.line)));
 
-    const mend::OrRefusal<mend::Surface> surface = mend::Surface::of(*scan);
+    const edit::OrRefusal<edit::Surface> surface = edit::Surface::of(*scan);
     CHECK_TEXT(surface.has_value(), name);
-    const mend::Step take{.kind = mend::Step::Kind::Candidate, .candidate = 1};
-    const mend::OrRefusal<cloud::ClosedLine> line = mend::mend(*surface, found.line, {&take, 1}, {});
+    const edit::Step take{.kind = edit::Step::Kind::Candidate, .candidate = 1};
+    const edit::OrRefusal<cloud::ClosedLine> line = edit::mend(*surface, found.line, {&take, 1}, {});
     CHECK_TEXT(line.has_value(), name);
     CHECK_TEXT(path::all_passed(path::check_line(*line)), name);
     for (const cloud::LinePoint& point : line->points) {
-      if (point.source == cloud::PointSource::Mended) CHECK(point.u95_mm.value_or(9) <= mend::k_hand_u95_mm);
+      if (point.source == cloud::PointSource::Mended) CHECK(point.u95_mm.value_or(9) <= edit::k_hand_u95_mm);
     }
 
     const transfer::SampleFiles sample{.cloud = *scan, .line = *line};

@@ -8,7 +8,7 @@
 #include <set>
 #include <string_view>
 
-#include "host/records/report/refusal.hpp"
+#include "host/report/refusal.hpp"
 
 namespace biteline::test {
 

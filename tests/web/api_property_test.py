@@ -28,7 +28,7 @@ CELL_ROUNDS, CENTRE_ROUNDS = 60, 20
 # else the requests here are not such as the document means.
 NEVER_GOOD = {"accept_scan", "change_settings", "choose_model", "choose_process", "hold_scan", "import_model", "keep_recording", "look_again",
               "mend_scan", "reject_scan", "run_in_air", "see_dry_run", "send_scan"}
-# It must name the one teaching that is open just then: tests/unit/host/doors/api looks at it.
+# It must name the one teaching that is open just then: tests/unit/host/interfaces/api looks at it.
 SELDOM_GOOD = {"give_up_teaching"}
 KNOWN = {
     # Of scans; the numbers are those of teachings.

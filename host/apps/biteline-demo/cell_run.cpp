@@ -11,7 +11,7 @@
 #include "host/apps/biteline-demo/stand.hpp"
 #include "host/intake/child_process.hpp"
 #include "host/intake/refused.hpp"
-#include "host/records/report/report.hpp"
+#include "host/report/report.hpp"
 #include "host/robot/link/gate/refused.hpp"
 #include "host/transfer/refused.hpp"
 

@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "host/apps/biteline-demo/json_file.hpp"
-#include "host/records/report/page.hpp"
 #include "host/records/results/pictures/stages.hpp"
 #include "host/records/results/pictures/transfer_stages.hpp"
+#include "host/report/page.hpp"
 
 namespace biteline::demo {
 namespace {

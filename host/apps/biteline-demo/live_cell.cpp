@@ -6,7 +6,7 @@
 
 #include "common/system/file.hpp"
 #include "host/apps/biteline-demo/stand.hpp"
-#include "host/records/report/report.hpp"
+#include "host/report/report.hpp"
 
 namespace biteline::demo {
 namespace {

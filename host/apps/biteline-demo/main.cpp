@@ -13,7 +13,7 @@
 #include "host/apps/biteline-demo/demo_page.hpp"
 #include "host/apps/biteline-demo/live_cell.hpp"
 #include "host/intake/child_process.hpp"
-#include "host/records/report/report.hpp"
+#include "host/report/report.hpp"
 
 namespace biteline::demo {
 namespace {

@@ -5,7 +5,7 @@
 #include <sstream>
 
 #include "host/cloud/uncertainty/uncertainty_file.hpp"
-#include "host/records/report/report.hpp"
+#include "host/report/report.hpp"
 
 namespace biteline::demo {
 namespace {

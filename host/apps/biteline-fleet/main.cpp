@@ -7,8 +7,8 @@
 #include "host/apps/biteline-fleet/options.hpp"
 #include "host/apps/biteline-fleet/running_centre.hpp"
 #include "host/apps/biteline-fleet/tables.hpp"
-#include "host/doors/accounts/metrics_token.hpp"
 #include "host/fleet/program.hpp"
+#include "host/interfaces/accounts/metrics_token.hpp"
 
 namespace biteline::fleet {
 namespace {
@@ -40,7 +40,7 @@ int run(int argc, char** argv) {
   if (parsed.options.exit_with_parent) prctl(PR_SET_PDEATHSIG, SIGTERM);
   const Result<ExitStatus> done = carry_out(parsed.options);
   if (done) return static_cast<int>(*done);
-  return complain(k_fleet_program, to_line(done.error()), error_row(done.error().code).exit_status);
+  return log_error(k_fleet_program, to_line(done.error()), error_row(done.error().code).exit_status);
 }
 
 }  // namespace

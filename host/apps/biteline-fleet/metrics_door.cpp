@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "host/apps/biteline-fleet/metrics_door.hpp"
 
-#include "host/doors/accounts/metrics_token.hpp"
-#include "host/records/report/report.hpp"
+#include "host/interfaces/accounts/metrics_token.hpp"
+#include "host/report/report.hpp"
 
 namespace biteline::fleet {
 

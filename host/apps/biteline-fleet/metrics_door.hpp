@@ -4,8 +4,8 @@
 
 #include <filesystem>
 
-#include "host/doors/accounts/accounts.hpp"
 #include "host/fleet/metrics.hpp"
+#include "host/interfaces/accounts/accounts.hpp"
 
 namespace biteline::fleet {
 

@@ -87,9 +87,9 @@ ParsedFleetOptions parse_fleet_options(int argc, char** argv) {
     leave = options::Leave{.fault = "--day-begin: a time of day such as 06:00 expected"};
   }
   if (leave)
-    parsed.leave_with = leave->fault.empty()
-                            ? 0
-                            : complain(k_fleet_program, leave->fault + " (see --help)", ExitStatus::BadInput);
+    parsed.leave_with = leave->fault.empty() ? 0
+                                             : log_error(k_fleet_program, leave->fault + " (see --help)",
+                                                         ExitStatus::BadInput);
   return parsed;
 }
 

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <array>
 
-#include "host/doors/api/people.hpp"
-#include "host/doors/api/words.hpp"
+#include "host/interfaces/api/json_fields.hpp"
+#include "host/interfaces/api/people.hpp"
 
 namespace biteline::fleet {
 
@@ -28,7 +28,7 @@ struct PageApi::Row : api::Route {
 
 std::span<const PageApi::Row> PageApi::rows() {
   static constexpr std::array k_rows{
-#include "host/doors/api/centre_routes.inc"
+#include "host/interfaces/api/centre_routes.inc"
   };
   return k_rows;
 }

@@ -10,10 +10,10 @@
 #include <string>
 #include <vector>
 
-#include "host/doors/accounts/accounts.hpp"
-#include "host/doors/api/routes.hpp"
-#include "host/doors/control/messages.hpp"
 #include "host/fleet/centre.hpp"
+#include "host/interfaces/accounts/accounts.hpp"
+#include "host/interfaces/api/routes.hpp"
+#include "host/interfaces/control/messages.hpp"
 #include "host/records/memory/factory_day.hpp"
 
 namespace biteline::fleet {
@@ -50,7 +50,7 @@ class PageApi {
   [[nodiscard]] control::Answer answer_of(const Error& error);
 
   // `Answer operationId(const Call&)` for each operation that the API's documents give to the centre.
-#include "host/doors/api/centre_handlers.inc"
+#include "host/interfaces/api/centre_handlers.inc"
 
   void log(const Call& call, const char* action, const std::string& subject) const;
 

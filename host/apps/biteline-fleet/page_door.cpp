@@ -2,8 +2,8 @@
 #include "host/apps/biteline-fleet/page_door.hpp"
 
 #include "host/apps/biteline-fleet/metrics_door.hpp"
-#include "host/doors/accounts/first_token.hpp"
-#include "host/records/report/report.hpp"
+#include "host/interfaces/accounts/first_token.hpp"
+#include "host/report/report.hpp"
 
 namespace biteline::fleet {
 

@@ -6,7 +6,7 @@
 
 #include "common/wire/endpoint.hpp"
 #include "host/apps/biteline-fleet/page_api.hpp"
-#include "host/doors/control/server.hpp"
+#include "host/interfaces/control/server.hpp"
 
 namespace biteline::fleet {
 

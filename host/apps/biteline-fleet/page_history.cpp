@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // The centre's page: what was, by a filter: shoes, their trends, models at cells, the log.
 #include "host/apps/biteline-fleet/page_api.hpp"
-#include "host/doors/api/words.hpp"
 #include "host/fleet/overview.hpp"
+#include "host/interfaces/api/json_fields.hpp"
 #include "host/records/memory/history.hpp"
 
 namespace biteline::fleet {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The centre's page: sessions and accounts, as at a cell.
 #include "host/apps/biteline-fleet/page_api.hpp"
-#include "host/doors/api/people.hpp"
+#include "host/interfaces/api/people.hpp"
 
 namespace biteline::fleet {
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // The centre's page: recordings that are asked for, and those that stay.
 #include "host/apps/biteline-fleet/page_api.hpp"
-#include "host/doors/api/words.hpp"
 #include "host/fleet/recording_messages.hpp"
 #include "host/fleet/recordings.hpp"
+#include "host/interfaces/api/json_fields.hpp"
 
 namespace biteline::fleet {
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 // The centre's page: what is: the centre itself, its cells, what needs somebody, releases.
 #include "host/apps/biteline-fleet/page_api.hpp"
-#include "host/doors/accounts/metrics_token.hpp"
-#include "host/doors/api/people.hpp"
-#include "host/doors/api/words.hpp"
 #include "host/fleet/alarms.hpp"
 #include "host/fleet/releases.hpp"
+#include "host/interfaces/accounts/metrics_token.hpp"
+#include "host/interfaces/api/json_fields.hpp"
+#include "host/interfaces/api/people.hpp"
 
 namespace biteline::fleet {
 

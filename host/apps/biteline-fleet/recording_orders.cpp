@@ -6,10 +6,10 @@
 #include <thread>
 
 #include "common/options/command.hpp"
-#include "host/doors/control/messages.hpp"
 #include "host/fleet/program.hpp"
 #include "host/fleet/recording_messages.hpp"
 #include "host/fleet/recordings.hpp"
+#include "host/interfaces/control/messages.hpp"
 
 namespace biteline::fleet {
 namespace {

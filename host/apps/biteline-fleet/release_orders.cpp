@@ -8,10 +8,10 @@
 
 #include "common/options/command.hpp"
 #include "common/system/file.hpp"
-#include "host/doors/control/messages.hpp"
 #include "host/fleet/program.hpp"
 #include "host/fleet/releases.hpp"
-#include "host/records/report/report.hpp"
+#include "host/interfaces/control/messages.hpp"
+#include "host/report/report.hpp"
 
 namespace biteline::fleet {
 namespace {

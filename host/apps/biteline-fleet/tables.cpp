@@ -3,8 +3,8 @@
 
 #include <cstdio>
 
-#include "host/doors/control/messages.hpp"
 #include "host/fleet/overview.hpp"
+#include "host/interfaces/control/messages.hpp"
 
 namespace biteline::fleet {
 

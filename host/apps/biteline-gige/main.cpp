@@ -15,7 +15,7 @@ using namespace biteline;
 
 std::atomic<bool> g_stop{false};
 
-int complain(const std::string& line, ExitStatus status) {
+int log_error(const std::string& line, ExitStatus status) {
   std::fprintf(stderr, "biteline-gige: %s\n", line.c_str());
   return static_cast<int>(status);
 }
@@ -68,8 +68,8 @@ int main(int argc, char** argv) {
     if (parsed.leave_with) return *parsed.leave_with;
     const Result<void> done = run(parsed.options);
     if (done) return static_cast<int>(ExitStatus::Done);
-    return complain(to_line(done.error()), error_row(done.error().code).exit_status);
+    return log_error(to_line(done.error()), error_row(done.error().code).exit_status);
   } catch (const std::exception& error) {
-    return complain(std::string{"internal failure: "} + error.what(), ExitStatus::Connection);
+    return log_error(std::string{"internal failure: "} + error.what(), ExitStatus::Connection);
   }
 }

@@ -7,7 +7,7 @@
 namespace biteline::gige {
 namespace {
 
-int complain(const std::string& line, ExitStatus status = ExitStatus::BadInput) {
+int log_error(const std::string& line, ExitStatus status = ExitStatus::BadInput) {
   std::fprintf(stderr, "biteline-gige: %s\n", line.c_str());
   return static_cast<int>(status);
 }
@@ -74,11 +74,11 @@ ParsedOptions parse_options(int argc, char** argv) {
   app.add_flag("--exit-with-parent", options.exit_with_parent,
                "Stop when the program that started this one ends");
   if (const std::optional<options::Leave> leave = app.parse(argc, argv)) {
-    parsed.leave_with = leave->fault.empty() ? 0 : complain(leave->fault + " (see --help)");
+    parsed.leave_with = leave->fault.empty() ? 0 : log_error(leave->fault + " (see --help)");
     return parsed;
   }
   if (const Result<void> done = read(texts, options); !done)
-    parsed.leave_with = complain(to_line(done.error()), error_row(done.error().code).exit_status);
+    parsed.leave_with = log_error(to_line(done.error()), error_row(done.error().code).exit_status);
   return parsed;
 }
 

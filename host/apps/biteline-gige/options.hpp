@@ -4,7 +4,7 @@
 
 #include <optional>
 
-#include "host/doors/gige/feed.hpp"
+#include "host/interfaces/gige/feed.hpp"
 
 namespace biteline::gige {
 

@@ -9,7 +9,7 @@
 #include <cerrno>
 #include <memory>
 
-#include "host/apps/biteline-host/steps.hpp"
+#include "host/apps/biteline-host/scan_pipeline.hpp"
 
 namespace biteline::service {
 namespace {
@@ -67,16 +67,16 @@ Result<std::unique_ptr<robot::ur::ArmClaim>> claim_arm(const RobotOptions& robot
   BITELINE_ASSIGN(
       std::unique_ptr<ArmClaim> claim,
       ArmClaim::take({.host = rtde.host, .rtde_port = rtde.port, .input_register = robot.hold_register}));
-  if (claim->state() == ArmClaim::State::Held) say_step("holds the arm at %s", rtde.host.c_str());
+  if (claim->state() == ArmClaim::State::Held) log_step("holds the arm at %s", rtde.host.c_str());
   if (claim->state() == ArmClaim::State::Lacking)
-    say_step("the arm at %s cannot be held against services on other machines", rtde.host.c_str());
+    log_step("the arm at %s cannot be held against services on other machines", rtde.host.c_str());
   return claim;
 }
 
 Result<std::shared_ptr<robot::other::ArmLink>> connect_arm(const HostPort& at) {
   BITELINE_ASSIGN(std::shared_ptr<robot::other::ArmLink> link,
                   robot::other::ArmLink::open({.host = at.host, .port = at.port, .may_be_away = true}));
-  if (link->robot()) say_step("holds the arm at %s", link->address().c_str());
+  if (link->robot()) log_step("holds the arm at %s", link->address().c_str());
   return link;
 }
 

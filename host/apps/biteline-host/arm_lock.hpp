@@ -5,7 +5,7 @@
 #include "common/core/result.hpp"
 #include "host/apps/biteline-host/controller.hpp"
 #include "host/apps/biteline-host/options.hpp"
-#include "host/records/report/file_lock.hpp"
+#include "host/report/file_lock.hpp"
 #include "host/robot/link/ur/arm_claim.hpp"
 
 namespace biteline::service {

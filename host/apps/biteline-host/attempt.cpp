@@ -5,9 +5,9 @@
 
 #include "common/core/text.hpp"
 #include "common/system/file.hpp"
-#include "host/apps/biteline-host/steps.hpp"
+#include "host/apps/biteline-host/scan_pipeline.hpp"
 #include "host/intake/refused.hpp"
-#include "host/records/report/report.hpp"
+#include "host/report/report.hpp"
 
 namespace biteline::service {
 namespace {
@@ -54,7 +54,7 @@ Result<void> set_aside(const fs::path& folder, const std::string& why) {
                                 .reason = "the scan is set aside with its recording: " + why});
   BITELINE_TRY(report.write(folder));
   clear_attempt(folder);
-  say_step("%s is set aside with its recording: %s", folder.filename().c_str(), why.c_str());
+  log_step("%s is set aside with its recording: %s", folder.filename().c_str(), why.c_str());
   return {};
 }
 

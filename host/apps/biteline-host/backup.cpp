@@ -13,11 +13,11 @@
 
 #include "common/system/file.hpp"
 #include "host/apps/biteline-host/service_words.hpp"
-#include "host/doors/api/process_store.hpp"
+#include "host/interfaces/api/process_store.hpp"
 #include "host/records/archive/archive.hpp"
 #include "host/records/memory/memory.hpp"
-#include "host/records/report/file_lock.hpp"
-#include "host/records/report/report.hpp"
+#include "host/report/file_lock.hpp"
+#include "host/report/report.hpp"
 #include "host/transfer/library.hpp"
 
 namespace biteline::service {

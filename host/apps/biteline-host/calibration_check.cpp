@@ -10,11 +10,11 @@
 #include "common/core/fixed_text.hpp"
 #include "common/system/file.hpp"
 #include "host/apps/biteline-host/refused.hpp"
-#include "host/apps/biteline-host/steps.hpp"
+#include "host/apps/biteline-host/scan_pipeline.hpp"
 #include "host/calibration/drift/watch.hpp"
 #include "host/intake/scan_cause.hpp"
-#include "host/records/report/json_text.hpp"
-#include "host/records/report/report.hpp"
+#include "host/report/json_text.hpp"
+#include "host/report/report.hpp"
 
 namespace biteline::service {
 namespace {
@@ -80,7 +80,7 @@ Result<drift::Watch> watch_of(const memory::Memory& memory, const std::string& h
   if (!is_text("head") || !is_text("watch") || json["head"].get<std::string>() != head) return drift::Watch{};
   Result<drift::Watch> watch = drift::Watch::from_text(json["watch"].get<std::string>());
   if (watch) return watch;
-  say_step("%s", to_line(watch.error()).c_str());
+  log_step("%s", to_line(watch.error()).c_str());
   return drift::Watch{};
 }
 
@@ -188,10 +188,10 @@ Result<bool> check_calibration(const fs::path& folder, const Result<drift::Evide
     report["calibration_check"] = json_of(watch, evidence, on_drift, model);
     return report::write_file_atomically(folder / "report.json", report::to_text(report) + "\n");
   }();
-  if (drifted) say_step("the calibration has drifted: %s", verdict.words.c_str());
+  if (drifted) log_step("the calibration has drifted: %s", verdict.words.c_str());
   // What cannot be kept or written makes no drift unknown.
   if (!kept && !drifted) return tl::unexpected<Error>{kept.error()};
-  if (!kept) say_step("%s", to_line(kept.error()).c_str());
+  if (!kept) log_step("%s", to_line(kept.error()).c_str());
   return drifted;
 }
 

@@ -4,8 +4,8 @@
 #include "common/core/fixed_text.hpp"
 #include "common/system/user_name.hpp"
 #include "host/apps/biteline-host/service_words.hpp"
-#include "host/doors/api/words.hpp"
 #include "host/intake/scan_intake.hpp"
+#include "host/interfaces/api/json_fields.hpp"
 #include "host/robot/link/gate/gate_file.hpp"
 
 namespace biteline::service {

@@ -10,7 +10,7 @@
 
 #include "common/core/fixed_text.hpp"
 #include "host/apps/biteline-host/other_controller.hpp"
-#include "host/apps/biteline-host/steps.hpp"
+#include "host/apps/biteline-host/scan_pipeline.hpp"
 #include "host/robot/kinematics/chain.hpp"
 #include "host/robot/kinematics/dh_rows.hpp"
 #include "host/robot/link/follow.hpp"
@@ -41,7 +41,7 @@ void say_when_new(const std::string& subject, const std::string& words) {
   static std::map<std::string, std::string> said;
   const std::lock_guard lock{mutex};
   if (std::exchange(said[subject], words) == words) return;
-  say_step("%s: %s", subject.c_str(), words.c_str());
+  log_step("%s: %s", subject.c_str(), words.c_str());
 }
 
 Result<HostPort> parse_host_port(const std::string& text) {

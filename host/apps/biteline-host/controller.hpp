@@ -55,7 +55,7 @@ struct ArmSeen {
   /// With its own kinematics where its controller tells them, and where they agree with the tip that it
   /// tells; else the nominal one.
   kinematics::ArmModel arm;
-  /// Its joints now [rad], for a path that begins near to them.  A wish and no check: follow_path() looks
+  /// Its joints now [rad], for a path that begins near to them.  A command and no check: follow_path() looks
   /// again.
   std::optional<kinematics::Joints> q_rad{};
   std::optional<SE3> T_flange_tcp{};  ///< the tool that the controller reckons with now

@@ -6,9 +6,9 @@
 
 #include "common/system/file.hpp"
 #include "host/apps/biteline-host/service_words.hpp"
-#include "host/doors/line_control/part_number.hpp"
-#include "host/records/report/json_text.hpp"
-#include "host/records/report/report.hpp"
+#include "host/interfaces/line_control/part_number.hpp"
+#include "host/report/json_text.hpp"
+#include "host/report/report.hpp"
 
 namespace biteline::service {
 namespace {

@@ -7,10 +7,10 @@
 #include "common/core/fixed_text.hpp"
 #include "common/system/file.hpp"
 #include "host/apps/biteline-host/refused.hpp"
-#include "host/bite_line/mend/prior.hpp"
-#include "host/records/report/json_text.hpp"
-#include "host/records/report/report.hpp"
+#include "host/bite_line/edit/prior.hpp"
 #include "host/records/results/mended_result.hpp"
+#include "host/report/json_text.hpp"
+#include "host/report/report.hpp"
 
 namespace biteline::service {
 namespace {
@@ -38,7 +38,7 @@ Result<OnScan> align_model(const transfer::SampleFiles& sample, const cloud::Poi
   return OnScan{.line = placed(sample.line, alignment.T_upper_sample), .sigma_mm = alignment.line_sigma_mm};
 }
 
-Json json_of(const std::string& model, const mend::OffPrior& off, int candidate) {
+Json json_of(const std::string& model, const edit::OffPrior& off, int candidate) {
   return {{"model", model},
           {"candidate", candidate},
           {"mean_mm", off.mean_mm},
@@ -50,7 +50,7 @@ Json json_of(const std::string& model, const mend::OffPrior& off, int candidate)
 
 /// `prior` in the scan's report; what it says, on stdout.
 Result<void> tell(const fs::path& folder, Json prior, const std::string& words) {
-  say_step("%s", words.c_str());
+  log_step("%s", words.c_str());
   prior["words"] = words;
   BITELINE_ASSIGN(const std::string text, read_regular_file(folder / "report.json", k_most_settings_bytes));
   Json report = Json::parse(text, nullptr, false);
@@ -63,22 +63,22 @@ Result<void> tell(const fs::path& folder, Json prior, const std::string& words) 
 /// The line as found, or the candidate that is nearer, as a new version.
 Result<int> take_nearest(const fs::path& folder, const cloud::PointCloud& cloud,
                          const cloud::ClosedLine& prior, const std::string& model, LineStep& line) {
-  const mend::OrRefusal<mend::Surface> surface = mend::Surface::of(cloud);
+  const edit::OrRefusal<edit::Surface> surface = edit::Surface::of(cloud);
   if (!surface) return 1;
-  const int candidate = mend::nearest_candidate(*surface, prior);
+  const int candidate = edit::nearest_candidate(*surface, prior);
   if (candidate == 1) return 1;
   report::Report report;
   const results::MendOrder order{
-      .steps = {{.kind = mend::Step::Kind::Candidate, .candidate = candidate}},
+      .steps = {{.kind = edit::Step::Kind::Candidate, .candidate = candidate}},
       .who = "model " + model,
       .why = "nearest to the model's mended line of the candidates that pass their gates",
-      .by = mend::By::Model};
-  BITELINE_ASSIGN(const mend::OrRefusal<results::MendedScan> taken,
+      .by = edit::By::Model};
+  BITELINE_ASSIGN(const edit::OrRefusal<results::MendedScan> taken,
                   results::mend_scan(folder, order, report));
   if (!taken) return 1;
   line = {.status = taken->status, .confidence = taken->confidence, .line = {}};
   if (taken->status == ExitStatus::Done) line.line = taken->line;
-  say_step("%s", taken->words.c_str());
+  log_step("%s", taken->words.c_str());
   return candidate;
 }
 
@@ -86,7 +86,7 @@ Result<int> take_nearest(const fs::path& folder, const cloud::PointCloud& cloud,
 
 Result<LineStep> heed_mended_model(const fs::path& folder, LineStep found, const cloud::PointCloud& cloud,
                                    const MendedModel& model) {
-  if (!found.line || found.status != ExitStatus::Done || !mend::is_mended(model.sample.line)) return found;
+  if (!found.line || found.status != ExitStatus::Done || !edit::is_mended(model.sample.line)) return found;
   // Before the report gets what follows, and the line perhaps another version.
   BITELINE_TRY(found.pages.write(cloud));
   const Result<OnScan> on_scan =
@@ -98,11 +98,11 @@ Result<LineStep> heed_mended_model(const fs::path& folder, LineStep found, const
     return found;
   }
   const cloud::ClosedLine& prior = on_scan->line;
-  mend::OffPrior off = mend::off_prior(*found.line, prior, on_scan->sigma_mm);
+  edit::OffPrior off = edit::off_prior(*found.line, prior, on_scan->sigma_mm);
   int candidate = 1;
   if (off.beyond_mm > 0) {
     BITELINE_ASSIGN(candidate, take_nearest(folder, cloud, prior, model.name, found));
-    if (candidate > 1 && found.line) off = mend::off_prior(*found.line, prior, on_scan->sigma_mm);
+    if (candidate > 1 && found.line) off = edit::off_prior(*found.line, prior, on_scan->sigma_mm);
   }
   Json prior_json = json_of(model.name, off, candidate);
   Text words = Text::format("the line keeps to the mended line of %.64s: %.2f mm off at most",

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "host/apps/biteline-host/recognise.hpp"
-#include "host/apps/biteline-host/steps.hpp"
+#include "host/apps/biteline-host/scan_pipeline.hpp"
 #include "host/cloud/point_cloud.hpp"
 #include "host/transfer/sample_folder.hpp"
 

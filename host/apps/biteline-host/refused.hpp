@@ -2,7 +2,7 @@
 #pragma once
 /// \file Why the service itself gives a scan no result.
 
-#include "host/records/report/refusal.hpp"
+#include "host/report/refusal.hpp"
 
 namespace biteline::service {
 

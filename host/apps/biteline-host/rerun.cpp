@@ -15,11 +15,11 @@
 #include "host/bite_line/find_bite_line.hpp"
 #include "host/bite_line/published/published_line.hpp"
 #include "host/cloud/ply.hpp"
-#include "host/records/report/report.hpp"
 #include "host/records/results/line_result.hpp"
 #include "host/records/results/plan_result.hpp"
 #include "host/records/results/transfer_result.hpp"
 #include "host/records/results/view/view_data.hpp"
+#include "host/report/report.hpp"
 #include "host/transfer/transfer.hpp"
 
 namespace biteline::service {
@@ -139,7 +139,7 @@ void tell_failure(const fs::path& folder, const api::RerunOrder& order, const st
   report.fields["rerun"] = told_order(order);
   report.refuse(
       Refusal{.code = Refused::RerunFailed, .reason = "the scan could not be worked out again: " + words});
-  if (const Result<void> written = report.write(folder); !written) complain(written.error());
+  if (const Result<void> written = report.write(folder); !written) log_error(written.error());
 }
 
 }  // namespace

@@ -11,7 +11,7 @@
 #include <thread>
 
 #include "host/apps/biteline-host/stock.hpp"
-#include "host/doors/api/rerun.hpp"
+#include "host/interfaces/api/rerun.hpp"
 #include "host/robot/kinematics/arm_model.hpp"
 #include "host/robot/path/plan.hpp"
 

@@ -11,7 +11,7 @@
 #include "host/apps/biteline-host/part.hpp"
 #include "host/apps/biteline-host/work_book.hpp"
 #include "host/cloud/closed_line.hpp"
-#include "host/doors/api/words.hpp"
+#include "host/interfaces/api/json_fields.hpp"
 
 namespace biteline::service {
 namespace {

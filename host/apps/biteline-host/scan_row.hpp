@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "host/records/memory/memory.hpp"
-#include "host/records/report/refusal.hpp"
+#include "host/report/refusal.hpp"
 
 namespace biteline::service {
 

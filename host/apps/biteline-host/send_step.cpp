@@ -12,10 +12,10 @@
 #include "host/apps/biteline-host/service_words.hpp"
 #include "host/records/digest/digest.hpp"
 #include "host/records/evidence/evidence.hpp"
-#include "host/records/report/json_text.hpp"
-#include "host/records/report/report.hpp"
 #include "host/records/results/plan_result.hpp"
 #include "host/records/results/view/view_data.hpp"
+#include "host/report/json_text.hpp"
+#include "host/report/report.hpp"
 #include "host/robot/link/follow.hpp"
 #include "host/robot/link/gate/gate_file.hpp"
 #include "host/robot/path/certainty.hpp"
@@ -282,7 +282,7 @@ Result<ExitStatus> follow_path(const fs::path& folder, const PlanStep& plan, con
                                         plan.outcome.surroundings};
   const path::WayThere way =
       path::find_way_there(still->q_rad, *plan.outcome.path, plan.request.arm, collisions);
-  if (!way.path) say_step("%s comes as near as %.1f mm", way.check.detail.c_str(), way.check.value);
+  if (!way.path) log_step("%s comes as near as %.1f mm", way.check.detail.c_str(), way.check.value);
   BITELINE_TRY(ask_about_itself(request.controller, plan.request.arm, *still, inputs.arm));
   // Right before the sending, and before the arm is looked at for the last time.
   inputs.files = files_of(request);
@@ -301,11 +301,11 @@ Result<ExitStatus> follow_path(const fs::path& folder, const PlanStep& plan, con
   // Before anything moves: a decision that cannot be kept is none.
   BITELINE_TRY(robot::write_gate(folder / k_gate_file, inputs));
 
-  say_step("sends the path to %s", request.controller.name().c_str());
+  log_step("sends the path to %s", request.controller.name().c_str());
   robot::FollowReport followed;
   std::future<Result<void>> beside = begin_beside_arm(std::move(meanwhile));
   const Result<void> done = follow_watched(*link, *gate.path, plan, request, followed);
-  if (const Result<void> written = beside.get(); !written) complain(written.error());
+  if (const Result<void> written = beside.get(); !written) log_error(written.error());
   if (!followed.sent && request.mark.stopped()) return stopped();
   // As far as it went, also when it was stopped.
   const path::Process& process = plan.request.process;
@@ -313,18 +313,18 @@ Result<ExitStatus> follow_path(const fs::path& folder, const PlanStep& plan, con
       plan.outcome.path->path(), followed.track, process.force_learned.value_or(path::ForceLearned{}));
   BITELINE_TRY(write_followed(folder, followed, link->has_dead_man(), process, force));
   if (!link->has_dead_man())
-    say_step("the arm's program had no dead man: nothing ends it when this machine or the cable fails");
+    log_step("the arm's program had no dead man: nothing ends it when this machine or the cable fails");
   BITELINE_TRY(results::write_tracking(folder / "path", plan.request, plan.outcome, followed.track));
   BITELINE_TRY(results::write_file_list(folder));
-  if (followed.ending.stops > 1) say_step("the arm was told to stop %d times", followed.ending.stops);
+  if (followed.ending.stops > 1) log_step("the arm was told to stop %d times", followed.ending.stops);
   if (!done) return tl::unexpected<Error>{done.error()};
-  say_step(
+  log_step(
       "the arm followed the line in %.1f s: %.3f mm from it on average, %.3f mm at most; %.1f %% of it "
       "covered",
       followed.duration_s, followed.deviation.line_mean_mm, followed.deviation.line_max_mm,
       100 * followed.deviation.covered);
   if (force) {
-    say_step(
+    log_step(
         "the tool pressed with %.1f N on average, %.1f N at most; %.1f %% of it within %.0f %% of %.1f N",
         force->mean_newton, force->largest_newton, 100 * force->within, 100 * path::k_force_band_ratio,
         process.force->set_newton);

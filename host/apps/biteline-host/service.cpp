@@ -11,7 +11,7 @@
 #include "host/apps/biteline-host/arm_lock.hpp"
 #include "host/apps/biteline-host/scan_row.hpp"
 #include "host/apps/biteline-host/service_words.hpp"
-#include "host/records/report/report.hpp"
+#include "host/report/report.hpp"
 #include "host/robot/kinematics/calibration.hpp"
 #include "host/transfer/library.hpp"
 
@@ -89,55 +89,58 @@ Result<Service> Service::create(const Options& options, robot::Stops& stops) {
       BITELINE_ASSIGN(locks.claim, claim_arm(*options.robot));
     }
   }
-  BITELINE_ASSIGN(
-      std::unique_ptr<Cockpit> cockpit,
-      Cockpit::open({.results = options.out,
-                     .stock = stock_folders(options),
-                     .sensor = options.sensor.text(),
-                     .arm = robot ? robot->arm.name : "",
-                     .controller = !robot                            ? ""
-                                   : robot->options.arm_link.empty() ? robot->options.script
-                                                                     : robot->options.arm_link,
-                     .rtde = robot && robot->options.arm_link.empty() ? robot->options.rtde : "",
-                     .other = locks.other,
-                     .process = robot ? robot->process.process.name : "",
-                     .rerun_arm = robot ? std::optional{RerunArm{.model = robot->arm,
-                                                                 .process = robot->process.process,
-                                                                 .table_z_mm = robot->options.table_z_mm,
-                                                                 .fixture = fixture_of(robot->options)}}
-                                        : std::nullopt,
-                     .endpoint = options.doors.control,
-                     .keys = std::move(control_keys),
-                     .day = options.day,
-                     .jobs = std::move(jobs),
-                     .stops = &stops}));
+  BITELINE_ASSIGN(std::unique_ptr<OperatorControl> operator_control,
+                  OperatorControl::open(
+                      {.results = options.out,
+                       .stock = stock_folders(options),
+                       .sensor = options.sensor.text(),
+                       .arm = robot ? robot->arm.name : "",
+                       .controller = !robot                            ? ""
+                                     : robot->options.arm_link.empty() ? robot->options.script
+                                                                       : robot->options.arm_link,
+                       .rtde = robot && robot->options.arm_link.empty() ? robot->options.rtde : "",
+                       .other = locks.other,
+                       .process = robot ? robot->process.process.name : "",
+                       .rerun_arm = robot ? std::optional{RerunArm{.model = robot->arm,
+                                                                   .process = robot->process.process,
+                                                                   .table_z_mm = robot->options.table_z_mm,
+                                                                   .fixture = fixture_of(robot->options)}}
+                                          : std::nullopt,
+                       .endpoint = options.doors.control,
+                       .keys = std::move(control_keys),
+                       .day = options.day,
+                       .jobs = std::move(jobs),
+                       .stops = &stops}));
   std::optional<Confirm> confirm;
   if (robot && !robot->options.confirm.empty()) {
-    BITELINE_ASSIGN(confirm, read_confirm(options.out, robot->options.confirm, cockpit->memory()));
+    BITELINE_ASSIGN(confirm, read_confirm(options.out, robot->options.confirm, operator_control->memory()));
   }
   if (options.doors.guest) {
-    BITELINE_ASSIGN(const std::string token, cockpit->accounts().make_guest_token());
+    BITELINE_ASSIGN(const std::string token, operator_control->accounts().make_guest_token());
     BITELINE_TRY(write_secret(*options.doors.guest, token + "\n"));
   }
-  return Service{options,          std::move(keys),    std::move(robot),  std::move(carrier),
-                 std::move(locks), std::move(cockpit), std::move(confirm)};
+  return Service{options,           std::move(keys),
+                 std::move(robot),  std::move(carrier),
+                 std::move(locks),  std::move(operator_control),
+                 std::move(confirm)};
 }
 
 Service::Service(Options options, std::optional<wire::HostKeys> keys, std::optional<Robot> robot,
-                 std::optional<Carrier> carrier, Locks locks, std::unique_ptr<Cockpit> cockpit,
-                 std::optional<Confirm> confirm)
+                 std::optional<Carrier> carrier, Locks locks,
+                 std::unique_ptr<OperatorControl> operator_control, std::optional<Confirm> confirm)
     : options_{std::move(options)},
       keys_{std::move(keys)},
       robot_{std::move(robot)},
       carrier_{std::move(carrier)},
       locks_{std::move(locks)},
-      cockpit_{std::move(cockpit)},
+      operator_control_{std::move(operator_control)},
       confirm_{std::move(confirm)} {}
 
 Result<ExitStatus> Service::run(const std::atomic<bool>& stop) {
   stop_ = &stop;
-  if (const Result<int> rows = take_up_rows(cockpit_->memory(), options_.out); !rows) complain(rows.error());
-  if (cockpit_->has_doors()) say_step("doors come in at %s", cockpit_->address().c_str());
+  if (const Result<int> rows = take_up_rows(operator_control_->memory(), options_.out); !rows)
+    log_error(rows.error());
+  if (operator_control_->has_doors()) log_step("doors come in at %s", operator_control_->address().c_str());
   BITELINE_TRY(watch_pendant());
   BITELINE_TRY(watch_clamp());
   take_up_order();
@@ -150,7 +153,7 @@ Result<ExitStatus> Service::run(const std::atomic<bool>& stop) {
   forget_used_part();
   look_for_next_folder();
   while (!stop) {
-    keep_web();
+    supervise_web();
     heed_wishes();
     end_what_was_stopped();
     look_at_clamp();
@@ -159,7 +162,7 @@ Result<ExitStatus> Service::run(const std::atomic<bool>& stop) {
     if (!scan_ && cut_off_.empty() && is_free() && !unfinished_.empty()) {
       const fs::path folder = std::move(unfinished_.front());
       unfinished_.pop_front();
-      if (const Result<void> taken = take_up(folder); !taken) complain(taken.error());
+      if (const Result<void> taken = take_up(folder); !taken) log_error(taken.error());
       start_result();
       if (!scan_ && is_free()) continue;
     }
@@ -170,8 +173,8 @@ Result<ExitStatus> Service::run(const std::atomic<bool>& stop) {
       // Light that comes on whenever somebody mends the sensor would surprise whoever asked for it.
       if (looks() && !scan_) give_up_look(sensor_lost_);
       if (inspects() && !scan_) give_up_inspection(sensor_lost_);
-      cockpit_->enter(CellEvent::Lost);
-      cockpit_->lose_sensor(sensor_lost_);
+      operator_control_->enter(CellEvent::Lost);
+      operator_control_->lose_sensor(sensor_lost_);
       if (scan_) {
         scan_->trouble = sensor_lost_;
         scan_->profiles_at_trouble = scan_->intake.profiles();
@@ -179,7 +182,7 @@ Result<ExitStatus> Service::run(const std::atomic<bool>& stop) {
       // With the scan in, nobody waits for the sensor any more.
       const bool scan_in = (scan_ && scan_->intake.ended()) || !cut_off_.empty();
       if (options_.once && is_free() && !scan_in) return tl::unexpected<Error>{heard.error()};
-      complain(heard.error());
+      log_error(heard.error());
       wait_before_retry(stop);
     }
     start_result();
@@ -188,19 +191,19 @@ Result<ExitStatus> Service::run(const std::atomic<bool>& stop) {
       after_ = std::move(worked->after);
       if (!worked->asks.empty()) {
         // Somebody may have said start already.
-        const bool goes = cockpit_->cell().going() == Going::Goes;
+        const bool goes = operator_control_->cell().going() == Going::Goes;
         asks_ = goes ? std::string{} : worked->asks;
         if (goes) keep_asking({});
       }
-      if (after_) cockpit_->enter(CellEvent::Inspects);
-      if (is_free()) cockpit_->enter(CellEvent::Done);
+      if (after_) operator_control_->enter(CellEvent::Inspects);
+      if (is_free()) operator_control_->enter(CellEvent::Done);
       if (options_.once && is_free()) return worked->status;
-      if (!worked->status) complain(worked->status.error());
+      if (!worked->status) log_error(worked->status.error());
       rest_after(*worked);
     }
     show_idle();
   }
-  cockpit_->halt();
+  operator_control_->halt();
   // An arm that was stopped on the way is no done job, and whoever said stop is told.
   if (!result_.valid()) return ExitStatus::Done;
   const Worked last = result_.get();
@@ -218,7 +221,7 @@ void Service::start_result() {
   Scan scan = cut_off_.empty() ? std::move(*scan_) : std::move(cut_off_.front());
   if (cut_off_.empty()) {
     scan_.reset();
-    cockpit_->enter(CellEvent::ScanIsIn);
+    operator_control_->enter(CellEvent::ScanIsIn);
   } else {
     cut_off_.pop_front();
   }
@@ -257,10 +260,10 @@ void Service::end_what_was_stopped() {
     return give_up_inspection("it was stopped");
   if (result_.valid() || !held_) return;
   // A line that is being mended is a whole one when its row is written.
-  if (!held_->scan.mark.stopped() || cockpit_->mends(held_->name())) return;
+  if (!held_->scan.mark.stopped() || operator_control_->mends(held_->name())) return;
   // Not here: the memory may be slow, and the sensor must hear this thread.
   begin_result(held_->name(), [this, held = std::move(*held_)]() mutable -> Worked {
-    say_step("%s waits no longer: it was stopped", held.name().c_str());
+    log_step("%s waits no longer: it was stopped", held.name().c_str());
     end_recording(held.scan.intake, ExitStatus::Refused);
     const std::string asks = leave_step(held.scan);
     const Remembered told = remember(held.scan.folder, "open", held.scan.chosen, {.stopped = true});
@@ -269,42 +272,43 @@ void Service::end_what_was_stopped() {
   held_.reset();
 }
 
-std::optional<Service::HeldScan> Service::take_held(const Wish& wish) {
-  if (held_ && held_->name() == wish.scan) return std::exchange(held_, std::nullopt);
+std::optional<Service::HeldScan> Service::take_held(const OperatorCommand& command) {
+  if (held_ && held_->name() == command.scan) return std::exchange(held_, std::nullopt);
   // Else what the cell shows would not be what is.
   if (held_) tell_aside(false);
   return std::nullopt;
 }
 
-void Service::go_on(const Wish& wish, HeldScan held) {
-  const robot::Word word{.by = wish.who, .at = utc_now()};
+void Service::go_on(const OperatorCommand& command, HeldScan held) {
+  const robot::Word word{.by = command.who, .at = utc_now()};
   const auto begin = [&](const char* words, auto work) {
-    say_step("%s %s by %s", wish.scan.c_str(), words, wish.who.c_str());
+    log_step("%s %s by %s", command.scan.c_str(), words, command.who.c_str());
     result_ = std::async(std::launch::async, [held = std::move(held), work = std::move(work)]() mutable {
       pthread_setname_np(pthread_self(), "bl-result");
       return work(std::move(held));
     });
   };
-  switch (wish.kind) {
-    case Wish::Kind::Send:
+  switch (command.kind) {
+    case OperatorCommand::Kind::Send:
       return begin("is accepted", [this, word](HeldScan one) { return send_held(std::move(one), word); });
-    case Wish::Kind::Air:
+    case OperatorCommand::Kind::Air:
       return begin("is run in the air",
                    [this, word](HeldScan one) { return run_in_air(std::move(one), word); });
-    case Wish::Kind::Mended:
+    case OperatorCommand::Kind::Mended:
       return begin("has its line mended", [this](HeldScan one) { return plan_mended(std::move(one)); });
-    case Wish::Kind::Model:
-      return begin(("is named " + wish.job.model).c_str(), [this, model = wish.job.model](HeldScan one) {
-        return work_named(std::move(one), model);
-      });
-    case Wish::Kind::Process:
-      return begin("gets another process", [this, process = wish.job.process, who = wish.who](HeldScan one) {
-        return one.planned() ? plan_with(std::move(one), process, who)
-                             : work_with(std::move(one), process, who);
-      });
-    case Wish::Kind::Look:
+    case OperatorCommand::Kind::Model:
+      return begin(
+          ("is named " + command.job.model).c_str(),
+          [this, model = command.job.model](HeldScan one) { return work_named(std::move(one), model); });
+    case OperatorCommand::Kind::Process:
+      return begin("gets another process",
+                   [this, process = command.job.process, who = command.who](HeldScan one) {
+                     return one.planned() ? plan_with(std::move(one), process, who)
+                                          : work_with(std::move(one), process, who);
+                   });
+    case OperatorCommand::Kind::Look:
       // The sensor is asked when it is next heard; until then it stays here.
-      say_step("%s is looked at again by %s", wish.scan.c_str(), wish.who.c_str());
+      log_step("%s is looked at again by %s", command.scan.c_str(), command.who.c_str());
       held_.emplace(std::move(held));
       return;
     default:

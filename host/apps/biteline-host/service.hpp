@@ -15,13 +15,13 @@
 #include <variant>
 
 #include "common/core/result.hpp"
-#include "host/apps/biteline-host/cockpit.hpp"
 #include "host/apps/biteline-host/confirm.hpp"
 #include "host/apps/biteline-host/next_of.hpp"
+#include "host/apps/biteline-host/operator_control.hpp"
 #include "host/apps/biteline-host/options.hpp"
 #include "host/apps/biteline-host/recognise.hpp"
+#include "host/apps/biteline-host/scan_pipeline.hpp"
 #include "host/apps/biteline-host/send_step.hpp"
-#include "host/apps/biteline-host/steps.hpp"
 #include "host/apps/biteline-host/taken_process.hpp"
 #include "host/apps/biteline-host/told_once.hpp"
 #include "host/apps/biteline-host/work_book.hpp"
@@ -33,9 +33,9 @@
 #include "host/records/force_book/force_book.hpp"
 #include "host/records/look/look_result.hpp"
 #include "host/records/release/shelf.hpp"
-#include "host/records/report/ended_by.hpp"
-#include "host/records/report/file_lock.hpp"
-#include "host/records/report/refusal.hpp"
+#include "host/report/ended_by.hpp"
+#include "host/report/file_lock.hpp"
+#include "host/report/refusal.hpp"
 #include "host/robot/kinematics/arm_model.hpp"
 #include "host/robot/link/ur/arm_claim.hpp"
 #include "host/robot/link/ur/clamp_watch.hpp"
@@ -194,7 +194,7 @@ class Service {
   };
 
   Service(Options options, std::optional<wire::HostKeys> keys, std::optional<Robot> robot,
-          std::optional<Carrier> carrier, Locks locks, std::unique_ptr<Cockpit> cockpit,
+          std::optional<Carrier> carrier, Locks locks, std::unique_ptr<OperatorControl> operator_control,
           std::optional<Confirm> confirm);
 
   /// What the sensor has to say; connects (and goes on with `scan_`, if there is one) where there is no link.
@@ -221,13 +221,14 @@ class Service {
 
   /// Stop, Laser off, what a person decided: of the doors.
   void heed_wishes();
-  void heed(const Wish& wish);
+  void handle(const OperatorCommand& command);
   /// What waits for a person and comes of a start before a stop waits no longer: its row says so.
   void end_what_was_stopped();
-  /// The scan that the wish is about, or nothing where it is not held any more; then doors are told what is.
-  [[nodiscard]] std::optional<HeldScan> take_held(const Wish& wish);
+  /// The scan that the command is about, or nothing where it is not held any more; then doors are told what
+  /// is.
+  [[nodiscard]] std::optional<HeldScan> take_held(const OperatorCommand& command);
   /// What is held goes on with a person's word, on the result's thread.
-  void go_on(const Wish& wish, HeldScan held);
+  void go_on(const OperatorCommand& command, HeldScan held);
   /// The arm is there, of the right kind and in remote control, or there is none; asked before a scan is
   /// spent.
   [[nodiscard]] bool robot_ready();
@@ -235,7 +236,7 @@ class Service {
   [[nodiscard]] Result<void> watch_pendant();
   [[nodiscard]] Result<void> watch_clamp();
   /// biteline-web beside this service, and again when it ended.
-  void keep_web();
+  void supervise_web();
   void show_idle();
   void show_scan(const Scan& scan);
   /// What the uplink was told by the factory's centre: to the page, the log and stdout.
@@ -379,15 +380,15 @@ class Service {
   void look_at_part(Chosen& chosen, const std::filesystem::path& folder) const;
   /// What the next scan is worked with, and kept for a service after this one.
   void order(Ordered ordered);
-  void order_by(const Wish& start);
+  void order_by(const OperatorCommand& start);
   /// The shoe that is scanned again has the part number that it had, unless somebody has said stop since.
-  void order_part_again(const Wish& rescan);
+  void order_part_again(const OperatorCommand& rescan);
   /// Pre: a scan begins.  The part number that was said is its own, and of no later one.
   void take_part();
   /// A person has taken this process for a scan that waits: the scans after it have it, too.
   void order_taught(const std::string& process, const Chosen& chosen);
   /// It stands in a model now, which will be recognised.
-  void order_is_saved(const Wish& saved);
+  void order_is_saved(const OperatorCommand& saved);
   /// As the service before this one left it; what no process answers for any more is told when it is used.
   void take_up_order();
   /// What was said before this service, and is of a scan that it left unfinished, is of no other one.
@@ -488,7 +489,7 @@ class Service {
   std::optional<Robot> robot_;
   std::optional<Carrier> carrier_;
   Locks locks_;
-  std::unique_ptr<Cockpit> cockpit_;
+  std::unique_ptr<OperatorControl> operator_control_;
   std::optional<Confirm> confirm_;                      ///< until it is used up
   std::unique_ptr<robot::ur::PendantWatch> pendant_{};  ///< of an arm that paths are sent to
   std::unique_ptr<robot::ur::ClampWatch> clamp_{};      ///< where the cell has one that tells
@@ -529,7 +530,7 @@ class Service {
 
 template <class Work>
 void Service::begin_result(const std::string& scan, Work work) {
-  cockpit_->works(scan);
+  operator_control_->works(scan);
   result_ = std::async(std::launch::async, [work = std::move(work)]() mutable {
     pthread_setname_np(pthread_self(), "bl-result");
     return work();

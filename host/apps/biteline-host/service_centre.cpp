@@ -29,19 +29,19 @@ void Service::look_at_centre() {
   std::error_code error;
   if (!std::filesystem::exists(options_.out / centre_word::k_file, error)) return;
   const Result<centre_word::CentreWord> word = centre_word::read(options_.out);
-  if (!word) return cockpit_->show_centre(to_line(word.error()));
-  cockpit_->show_centre(words_of(*word));
+  if (!word) return operator_control_->show_centre(to_line(word.error()));
+  operator_control_->show_centre(words_of(*word));
   if (centre_ && *centre_ == *word) return;
   centre_ = *word;
   // How many stand in the log: some may have come while no service ran.
   constexpr const char* k_told_key = "dead_letters_told";
-  const auto told = cockpit_->memory().setting(k_told_key);
-  if (!told) return complain(told.error());
+  const auto told = operator_control_->memory().setting(k_told_key);
+  if (!told) return log_error(told.error());
   const std::int64_t known = *told ? std::atoll((*told)->c_str()) : 0;
   const std::int64_t fresh = std::min<std::int64_t>(word->count - known, std::ssize(word->letters));
   if (fresh <= 0) return;
   for (auto letter = word->letters.end() - fresh; letter != word->letters.end(); ++letter) {
-    say_step("%s: the centre could not read all of it: %s", letter->scan.c_str(), letter->why.c_str());
+    log_step("%s: the centre could not read all of it: %s", letter->scan.c_str(), letter->why.c_str());
     const memory::LogRow row{.id = 0,
                              .time = memory::now_ms(),
                              .who = "service",
@@ -52,9 +52,9 @@ void Service::look_at_centre() {
                              .after = letter->why};
     const bool last = letter + 1 == word->letters.end();
     const Result<void> logged =
-        last ? cockpit_->memory().put_setting(k_told_key, std::to_string(word->count), row)
-             : cockpit_->memory().log(row);
-    if (!logged) return complain(logged.error());
+        last ? operator_control_->memory().put_setting(k_told_key, std::to_string(word->count), row)
+             : operator_control_->memory().log(row);
+    if (!logged) return log_error(logged.error());
   }
 }
 

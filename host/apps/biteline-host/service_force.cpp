@@ -21,10 +21,10 @@ path::Process Service::process_to_plan(const Chosen& chosen) const {
   const auto learned = [&]() -> Result<std::optional<path::ForceLearned>> {
     BITELINE_ASSIGN(const std::optional<force_book::Subject> of, force_subject(chosen));
     if (!of) return std::optional<path::ForceLearned>{};
-    return force_book::learned(cockpit_->memory(), *of);
+    return force_book::learned(operator_control_->memory(), *of);
   }();
   // Without it the set force alone is asked for: that is no fault of the shoe.
-  if (!learned) complain(learned.error());
+  if (!learned) log_error(learned.error());
   if (learned) process.force_learned = *learned;
   return process;
 }
@@ -35,20 +35,21 @@ void Service::learn_force(const Chosen& chosen, const std::string& name, const p
     BITELINE_ASSIGN(const std::optional<force_book::Subject> of, force_subject(chosen));
     if (!of) return {};
     BITELINE_ASSIGN(const std::optional<path::ForceLearned> now,
-                    force_book::learned(cockpit_->memory(), *of));
+                    force_book::learned(operator_control_->memory(), *of));
     const path::ForceLearned before = planned.force_learned.value_or(path::ForceLearned{}),
                              stands = now.value_or(path::ForceLearned{});
     // What was missing then is in it already, or was never there.
     if (before.shoes != stands.shoes || before.air_runs != stands.air_runs) {
-      say_step("%s teaches nothing of the force: it was planned before what is learned now", name.c_str());
+      log_step("%s teaches nothing of the force: it was planned before what is learned now", name.c_str());
       return {};
     }
-    BITELINE_ASSIGN(const force_book::Entry entry,
-                    force_book::learn_shoe(cockpit_->memory(), *of, planned.force->set_newton, name, told));
-    say_step("the force on %s is %s", of->model.c_str(), force_book::words_of(entry.learned).c_str());
+    BITELINE_ASSIGN(
+        const force_book::Entry entry,
+        force_book::learn_shoe(operator_control_->memory(), *of, planned.force->set_newton, name, told));
+    log_step("the force on %s is %s", of->model.c_str(), force_book::words_of(entry.learned).c_str());
     return {};
   }();
-  if (!done) complain(done.error());
+  if (!done) log_error(done.error());
 }
 
 }  // namespace biteline::service

@@ -7,7 +7,7 @@
 #include "host/apps/biteline-host/service.hpp"
 #include "host/apps/biteline-host/service_words.hpp"
 #include "host/cloud/ply.hpp"
-#include "host/records/report/report.hpp"
+#include "host/report/report.hpp"
 #include "host/transfer/moved.hpp"
 
 namespace biteline::service {
@@ -42,7 +42,7 @@ Result<void> write_look(const fs::path& folder, const transfer::Moved& moved) {
 }  // namespace
 
 bool Service::looks() const {
-  return held_ && !result_.valid() && cockpit_->cell().shoe() == Shoe::Looking;
+  return held_ && !result_.valid() && operator_control_->cell().shoe() == Shoe::Looking;
 }
 
 Result<void> Service::begin_look(const intake::Hello& hello) {
@@ -55,14 +55,14 @@ Result<void> Service::begin_look(const intake::Hello& hello) {
   scan_->look = true;
   scan_->mark = held_->scan.mark;
   asked_.reset();
-  cockpit_->enter(CellEvent::ScanBegins);
+  operator_control_->enter(CellEvent::ScanBegins);
   show_scan(*scan_);
-  say_step("looks again at %s", held_->name().c_str());
+  log_step("looks again at %s", held_->name().c_str());
   return {};
 }
 
 void Service::give_up_look(const std::string& why) {
-  say_step("%s is not looked at: %s", held_->name().c_str(), why.c_str());
+  log_step("%s is not looked at: %s", held_->name().c_str(), why.c_str());
   held_->look_words = "not looked at: " + why;
   tell_aside(false);
 }
@@ -81,7 +81,7 @@ void Service::tell_aside(bool again) {
 }
 
 Service::Worked Service::look_at_held(HeldScan held, Scan look) {
-  cockpit_->show("compares " + held.name() + " with what stands there now", "a person decides");
+  operator_control_->show("compares " + held.name() + " with what stands there now", "a person decides");
   held.look_words.clear();
   const Result<ExitStatus> done = without_exceptions([&]() -> Result<ExitStatus> {
     const intake::ScanOutcome outcome = look.intake.finish();
@@ -92,7 +92,7 @@ Service::Worked Service::look_at_held(HeldScan held, Scan look) {
     for (const cloud::LinePoint& point : planned.plan.request.line.points) line.push_back(point.position);
     const transfer::Moved moved = transfer::moved_since(scanned, outcome.cloud, line);
     held.look_words = moved.words;
-    say_step("%s: %s", held.name().c_str(), moved.words.c_str());
+    log_step("%s: %s", held.name().c_str(), moved.words.c_str());
     // First: what was seen counts also where it cannot be written down.  A look that was cut off may tell
     // that the shoe was moved, and never that it was not.
     const bool counts = moved.verdict != transfer::Moved::Verdict::NotSeen &&
@@ -111,14 +111,14 @@ void Service::look_at_clamp() {
   if (holds == clamp_holds_ || result_.valid()) return;
   clamp_holds_ = holds;
   // How long it stays fresh, and whether a yes would be taken, is another answer now.
-  if (held_ && cockpit_->cell().shoe() == Shoe::Held) tell_aside(true);
+  if (held_ && operator_control_->cell().shoe() == Shoe::Held) tell_aside(true);
 }
 
 void Service::look_at_tool() {
-  const int said = cockpit_->tools_mounted();
+  const int said = operator_control_->tools_mounted();
   if (said == tools_mounted_ || result_.valid()) return;
   tools_mounted_ = said;
-  if (held_ && held_->planned() && cockpit_->cell().shoe() == Shoe::Held) tell_aside(true);
+  if (held_ && held_->planned() && operator_control_->cell().shoe() == Shoe::Held) tell_aside(true);
 }
 
 }  // namespace biteline::service

@@ -7,8 +7,8 @@
 #include "host/apps/biteline-host/part.hpp"
 #include "host/apps/biteline-host/service.hpp"
 #include "host/apps/biteline-host/service_words.hpp"
-#include "host/records/report/json_text.hpp"
-#include "host/records/report/report.hpp"
+#include "host/report/json_text.hpp"
+#include "host/report/report.hpp"
 #include "host/transfer/models.hpp"
 
 namespace biteline::service {
@@ -69,21 +69,21 @@ void Service::order(Ordered ordered) {
     next_shown_ = {};
   }
   const std::string text = report::to_text(json);
-  const Result<std::optional<std::string>> kept = cockpit_->memory().setting(k_order_key);
+  const Result<std::optional<std::string>> kept = operator_control_->memory().setting(k_order_key);
   if (kept && (*kept ? **kept == text : nothing)) return;
-  const Result<void> put = cockpit_->memory().put_setting(k_order_key, text,
-                                                          {.id = 0,
-                                                           .time = memory::now_ms(),
-                                                           .who = who.empty() ? "service" : who,
-                                                           .door = {},
-                                                           .action = "next scans",
-                                                           .subject = "cell",
-                                                           .before = before.job.process,
-                                                           .after = process});
-  if (!put) complain(put.error());
+  const Result<void> put = operator_control_->memory().put_setting(k_order_key, text,
+                                                                   {.id = 0,
+                                                                    .time = memory::now_ms(),
+                                                                    .who = who.empty() ? "service" : who,
+                                                                    .door = {},
+                                                                    .action = "next scans",
+                                                                    .subject = "cell",
+                                                                    .before = before.job.process,
+                                                                    .after = process});
+  if (!put) log_error(put.error());
 }
 
-void Service::order_by(const Wish& start) {
+void Service::order_by(const OperatorCommand& start) {
   Ordered next = ordered();
   if (start.job.keep_process && !next.job.process.empty()) {
     next.job.model = start.job.model;
@@ -99,7 +99,7 @@ void Service::order_by(const Wish& start) {
   order(std::move(next));
 }
 
-void Service::order_part_again(const Wish& rescan) {
+void Service::order_part_again(const OperatorCommand& rescan) {
   // After a stop nobody knows which shoe stands there.
   if (shoe_.part.empty() || shoe_.mark.stopped()) return;
   Ordered next = ordered();
@@ -128,9 +128,9 @@ void Service::take_part() {
   chosen.foot = now.job.foot;
   chosen.size = now.job.size;
   shoe_ = {.part = chosen.part, .mark = scan_->mark};
-  cockpit_->show_shoe({.part = chosen.part, .foot = chosen.foot, .size = chosen.size});
+  operator_control_->show_shoe({.part = chosen.part, .foot = chosen.foot, .size = chosen.size});
   if (chosen.part.empty()) return;
-  if (const Result<void> marked = mark_part(scan_->folder, chosen.part); !marked) complain(marked.error());
+  if (const Result<void> marked = mark_part(scan_->folder, chosen.part); !marked) log_error(marked.error());
 }
 
 void Service::order_taught(const std::string& process, const Chosen& chosen) {
@@ -141,7 +141,7 @@ void Service::order_taught(const std::string& process, const Chosen& chosen) {
          .sha256 = taken_of(chosen).sha256});
 }
 
-void Service::order_is_saved(const Wish& saved) {
+void Service::order_is_saved(const OperatorCommand& saved) {
   const Ordered now = ordered();
   // Where no model is recognised it would be worked with the service's own process instead.
   if (now.taught && options_.models && now.sha256 == saved.why) order({});
@@ -149,8 +149,8 @@ void Service::order_is_saved(const Wish& saved) {
 
 void Service::take_up_order() {
   if (!robot_) return;
-  const Result<std::optional<std::string>> kept = cockpit_->memory().setting(k_order_key);
-  if (!kept) return complain(kept.error());
+  const Result<std::optional<std::string>> kept = operator_control_->memory().setting(k_order_key);
+  if (!kept) return log_error(kept.error());
   if (!*kept) return;
   const Json json = Json::parse(**kept, nullptr, false);
   if (!json.is_object()) return;
@@ -163,19 +163,19 @@ void Service::take_up_order() {
                  .taught = json.value("taught", Json(false)) == true,
                  .model = field_of(json, "taught_model"),
                  .sha256 = field_of(json, "sha256"),
-                 .part_mark = cockpit_->going(),
+                 .part_mark = operator_control_->going(),
                  .part_said = json.contains("part_said") && json["part_said"].is_number_integer()
                                   ? json["part_said"].get<memory::UnixMs>()
                                   : 0};
-  if (is_used_up(cockpit_->memory(), before.job.part, before.part_said)) before.job.part.clear();
+  if (is_used_up(operator_control_->memory(), before.job.part, before.part_said)) before.job.part.clear();
   if (says_nothing(before.job)) return;
   // Another --process than then is the newer word.
   if (field_of(json, "beside") != robot_->process.sha256) {
-    say_step("the process of the last start (%s, by %s) ends here: --process is another one",
+    log_step("the process of the last start (%s, by %s) ends here: --process is another one",
              before.job.process.c_str(), before.who.c_str());
     return order({});
   }
-  say_step("goes on with %s, as %s said: a start that names another ends it", words_of(before.job).c_str(),
+  log_step("goes on with %s, as %s said: a start that names another ends it", words_of(before.job).c_str(),
            before.who.c_str());
   const std::lock_guard lock{*job_mutex_};
   ordered_ = std::move(before);
@@ -201,17 +201,18 @@ void Service::show_next_process() {
     order(next);
   }
   // Of the scan that comes in it was said when that began.
-  if (!scan_) cockpit_->show_shoe({.part = next.job.part, .foot = next.job.foot, .size = next.job.size});
+  if (!scan_)
+    operator_control_->show_shoe({.part = next.job.part, .foot = next.job.foot, .size = next.job.size});
   if (!robot_) return;
   Chosen chosen;
   chosen.model = carrier_ ? std::string{} : next.job.model;
   chosen.process_name = carrier_ ? std::string{} : next.job.process;
   // Nobody knows before the shoe is seen.
   const bool by_model = !carrier_ && options_.models && chosen.model.empty() && chosen.process_name.empty();
-  if (by_model) return cockpit_->show_next({});
+  if (by_model) return operator_control_->show_next({});
   // One that cannot be read is told by the scan that would be worked with it.
   if (const Result<void> release = choose_release(chosen); release) static_cast<void>(choose_process(chosen));
-  cockpit_->show_next({chosen.process_name, next.job.process.empty() || carrier_ ? "" : next.who});
+  operator_control_->show_next({chosen.process_name, next.job.process.empty() || carrier_ ? "" : next.who});
 }
 
 void Service::look_at_other_process(Chosen& chosen) const {
@@ -230,7 +231,7 @@ void Service::look_at_other_process(Chosen& chosen) const {
 }
 
 void Service::look_at_part(Chosen& chosen, const fs::path& folder) const {
-  chosen.told_twice = worked_before(cockpit_->memory(), folder.filename().string(), chosen.part);
+  chosen.told_twice = worked_before(operator_control_->memory(), folder.filename().string(), chosen.part);
 }
 
 Result<void> Service::keep_process(const fs::path& folder, const Chosen& chosen) const {

@@ -6,7 +6,7 @@
 #include "host/apps/biteline-host/scan_row.hpp"
 #include "host/apps/biteline-host/service.hpp"
 #include "host/apps/biteline-host/service_words.hpp"
-#include "host/doors/api/air.hpp"
+#include "host/interfaces/api/air.hpp"
 #include "host/records/evidence/evidence.hpp"
 #include "host/records/mounted/mounted_record.hpp"
 #include "host/records/results/plan_result.hpp"
@@ -30,7 +30,7 @@ ControllerAddress Service::controller() const {
 }
 
 Result<path::Mounted> Service::mounted(const path::Process& process) const {
-  BITELINE_ASSIGN(const mounted::Record record, mounted::read_record(cockpit_->memory()));
+  BITELINE_ASSIGN(const mounted::Record record, mounted::read_record(operator_control_->memory()));
   return record.mounted(process.tool.name);
 }
 
@@ -84,7 +84,8 @@ Result<Service::WorkedOut> Service::work_out_path(Scan& scan, const intake::Scan
                                 .fixture = fixture_of(robot_->options),
                                 .mounted = taught,
                                 .near_rad = arm.q_rad};
-  cockpit_->show("plans the path of " + name, robot_->options.send ? "the arm follows it" : "the next scan");
+  operator_control_->show("plans the path of " + name,
+                          robot_->options.send ? "the arm follows it" : "the next scan");
   // Who stops has to know before the arm sets out; who warns does not keep it waiting.
   if (options_.stop_on_drift) look_at_own_calibration(scan, outcome);
   BITELINE_TRY(keep_process(scan.folder, scan.chosen));
@@ -99,17 +100,17 @@ Result<Service::WorkedOut> Service::work_out_path(Scan& scan, const intake::Scan
   const robot::ScanFacts& seen = send.scan;
   NextFacts facts{.sends = robot_->options.send,
                   .has_path = plan.outcome.path.has_value(),
-                  .doors = cockpit_->has_doors(),
+                  .doors = operator_control_->has_doors(),
                   .waits = waits,
                   .confirmed = seen.confirmed.has_value(),
                   .seen = !seen.recovered && !seen.from_recording && seen.one_connection,
                   .asks_by_gate = needs_a_person(process_of(scan.chosen).gate, line.confidence),
-                  .asked_to_hold = cockpit_->wants_hold(name),
+                  .asked_to_hold = operator_control_->wants_hold(name),
                   .drift_stops = scan.drifted && options_.stop_on_drift,
                   .looks = looks_of(scan.chosen, taught)};
   NextStep step = next_of(facts);
   // The last look: from now on whoever wants it held is told that it is too late.
-  if (step.next == Next::Send && cockpit_->wants_hold_at_last(name)) {
+  if (step.next == Next::Send && operator_control_->wants_hold_at_last(name)) {
     facts.asked_to_hold = true;
     step = next_of(facts);
   }
@@ -122,7 +123,7 @@ Result<Service::WorkedOut> Service::work_out_path(Scan& scan, const intake::Scan
                 name.c_str(), step.why.c_str(), name.c_str());
       return WorkedOut{.status = ExitStatus::Refused};
     case Next::Hold:
-      say_step("%s is held: a person must %s%s%s", name.c_str(),
+      log_step("%s is held: a person must %s%s%s", name.c_str(),
                line.status == ExitStatus::Review ? "settle its line" : "accept it",
                facts.looks.empty() ? "" : ": ", facts.looks.c_str());
       return WorkedOut{
@@ -132,8 +133,8 @@ Result<Service::WorkedOut> Service::work_out_path(Scan& scan, const intake::Scan
     case Next::Send:
       break;
   }
-  cockpit_->enter(CellEvent::ArmSetsOut);
-  cockpit_->show("the arm follows the line of " + name, "the next scan");
+  operator_control_->enter(CellEvent::ArmSetsOut);
+  operator_control_->show("the arm follows the line of " + name, "the next scan");
   BITELINE_ASSIGN(send.mounted, mounted(plan.request.process));
   look_at_own_calibration(scan, outcome);
   BITELINE_ASSIGN(
@@ -153,7 +154,7 @@ Result<void> Service::look_at_files(HeldScan& held) {
   const std::string name = held.name();
   Chosen& chosen = held.scan.chosen;
   // The newest, also of a mend in the page.
-  BITELINE_ASSIGN(const std::optional<memory::Evidence> kept, cockpit_->memory().evidence(name));
+  BITELINE_ASSIGN(const std::optional<memory::Evidence> kept, operator_control_->memory().evidence(name));
   memory::Evidence written = kept.value_or(chosen.written);
   written.process = taken_of(chosen).sha256;
   BITELINE_ASSIGN(const memory::Evidence now, evidence::of_folder(held.scan.folder));
@@ -187,7 +188,7 @@ Result<ExitStatus> Service::plan_anew(HeldScan& held) {
 }
 
 Service::Worked Service::plan_mended(HeldScan held) {
-  cockpit_->show("plans the path of the mended " + held.name(), "a person decides");
+  operator_control_->show("plans the path of the mended " + held.name(), "a person decides");
   Result<ExitStatus> status = without_exceptions([&] { return plan_anew(held); });
   // Also without a path: it can be mended again, or rejected.
   return hold_again(std::move(status), std::move(held));
@@ -196,8 +197,8 @@ Service::Worked Service::plan_mended(HeldScan held) {
 Service::Worked Service::send_held(HeldScan held, const robot::Word& word) {
   const fs::path& folder = held.scan.folder;
   Planned& planned = *held.planned();
-  cockpit_->enter(CellEvent::ArmSetsOut);
-  cockpit_->show("the arm follows the line of " + held.name(), "the next scan");
+  operator_control_->enter(CellEvent::ArmSetsOut);
+  operator_control_->show("the arm follows the line of " + held.name(), "the next scan");
   planned.request.approved = word;
   planned.request.holds_arm = holds_arm();
   Result<ExitStatus> status = without_exceptions([&]() -> Result<ExitStatus> {
@@ -228,7 +229,7 @@ Service::Worked Service::send_held(HeldScan held, const robot::Word& word) {
     return {.status = std::move(status), .held = {}, .end = told.end};
   }
   // A yes that came to nothing starts nothing else: neither light nor the next scan.
-  say_step("%s is held: nothing was sent", held.name().c_str());
+  log_step("%s is held: nothing was sent", held.name().c_str());
   const std::string failed = status ? std::string{} : to_line(status.error());
   return hold_again(std::move(status), std::move(held), failed);
 }

@@ -34,8 +34,8 @@ Service::Remembered Service::remember(const fs::path& folder, const std::string&
     row->time = memory::now_ms();
     row->verdict = "failed";
   }
-  std::unique_lock words = cockpit_->between_words();
-  const Result<std::optional<memory::Scan>> before = cockpit_->memory().scan(row->name);
+  std::unique_lock words = operator_control_->between_words();
+  const Result<std::optional<memory::Scan>> before = operator_control_->memory().scan(row->name);
   const bool known = before && *before;
   if (const std::optional<std::string> changed = known ? changed_files(folder, chosen.written) : std::nullopt;
       changed && !row->sent) {
@@ -65,16 +65,16 @@ Service::Remembered Service::remember(const fs::path& folder, const std::string&
     // A yes that the stop came after.
     if (after.stopped && (*before)->decision == "accepted") row->decision = "accepted";
   }
-  row->cycle_s = cockpit_->cycle_s();
+  row->cycle_s = operator_control_->cycle_s();
   row->process = chosen.process_name;
   row->model = chosen.model;
   // A scan that nobody came to work out has them in its folder alone.
   if (!chosen.part.empty()) row->part = chosen.part;
   if (!chosen.foot.empty()) row->foot = chosen.foot;
   if (!chosen.size.empty()) row->size = chosen.size;
-  cockpit_->show_shoe({.part = row->part, .foot = row->foot, .size = row->size});
+  operator_control_->show_shoe({.part = row->part, .foot = row->foot, .size = row->size});
   if (chosen.probability > 0) row->model_probability = chosen.probability;
-  if (const std::optional<accounts::Holder> holder = cockpit_->accounts().holder())
+  if (const std::optional<accounts::Holder> holder = operator_control_->accounts().holder())
     row->operator_name = holder->name;
   if (!chosen.unknown.empty()) {
     const report::ToldRefusal told = report::told(
@@ -100,7 +100,7 @@ Service::Remembered Service::remember(const fs::path& folder, const std::string&
   // Also where no door is open and nothing waits.
   const bool has_line = row->verdict == "ok" || row->verdict == "amber" || row->verdict == "review";
   const std::string twice = has_line && !row->sent && chosen.follows.empty()
-                                ? worked_before(cockpit_->memory(), row->name, row->part)
+                                ? worked_before(operator_control_->memory(), row->name, row->part)
                                 : "";
   if (!twice.empty() && !row->reason_code.empty()) {
     row->reason += "; " + twice;
@@ -118,25 +118,25 @@ Service::Remembered Service::remember(const fs::path& folder, const std::string&
   row->versions.assign(R"({"program":")").append(BITELINE_VERSION);
   if (chosen.release) row->versions.append(R"(","release":")").append(chosen.release->hash);
   row->versions.append("\"}");
-  const Result<void> put = cockpit_->memory().put_scan(*row,
-                                                       {.id = 0,
-                                                        .time = memory::now_ms(),
-                                                        .who = "service",
-                                                        .door = {},
-                                                        .action = "result",
-                                                        .subject = row->name,
-                                                        .before = {},
-                                                        .after = row->verdict},
-                                                       chosen.places);
-  if (!put) complain(put.error());
+  const Result<void> put = operator_control_->memory().put_scan(*row,
+                                                                {.id = 0,
+                                                                 .time = memory::now_ms(),
+                                                                 .who = "service",
+                                                                 .door = {},
+                                                                 .action = "result",
+                                                                 .subject = row->name,
+                                                                 .before = {},
+                                                                 .after = row->verdict},
+                                                                chosen.places);
+  if (!put) log_error(put.error());
   if (put && chosen.written != memory::Evidence{}) {
-    if (const Result<void> kept = cockpit_->memory().put_evidence(row->name, chosen.written); !kept)
-      complain(kept.error());
+    if (const Result<void> kept = operator_control_->memory().put_evidence(row->name, chosen.written); !kept)
+      log_error(kept.error());
   }
   if (still_held) tell_held(*held);
   words.unlock();
-  if (!still_held && !after.goes_on) cockpit_->end_cycle(*row);
-  cockpit_->tell_scan(row->name);
+  if (!still_held && !after.goes_on) operator_control_->end_cycle(*row);
+  operator_control_->tell_scan(row->name);
   return {
       .waits = still_held,
       .end = {.who = memory::ended_by(*row),
@@ -146,14 +146,14 @@ Service::Remembered Service::remember(const fs::path& folder, const std::string&
 void Service::bound_black_box() const {
   if (!options_.kept.is_bounded()) return;
   const auto may_go = [&](const std::string& name) {
-    const Result<std::optional<memory::Scan>> row = cockpit_->memory().scan(name);
+    const Result<std::optional<memory::Scan>> row = operator_control_->memory().scan(name);
     return row && *row && !(*row)->marked && (*row)->decision != "held" && (*row)->verdict != "working";
   };
   const auto most_bytes = static_cast<std::uint64_t>(options_.keep_refused_gb * 1e9);
   for (const fs::path& file : messages_to_go(options_.out, most_bytes, may_go)) {
     std::error_code error;
     fs::remove(file, error);
-    if (error) complain(fail_errno(Errc::WriteFailed, error.value(), "%.200s", file.c_str()).value());
+    if (error) log_error(fail_errno(Errc::WriteFailed, error.value(), "%.200s", file.c_str()).value());
   }
 }
 
@@ -167,17 +167,17 @@ Result<void> Service::make_room() const {
   }
   if (options_.keep_gb) retention.most_bytes = static_cast<std::uint64_t>(*options_.keep_gb * 1e9);
   BITELINE_ASSIGN(const std::vector<std::string> go,
-                  cockpit_->memory().folders_to_go(retention, options_.out));
+                  operator_control_->memory().folders_to_go(retention, options_.out));
   for (const std::string& name : go) {
     // The row first: a folder without one would be taken up again.
-    BITELINE_TRY(cockpit_->memory().forget_folder(name, {.id = 0,
-                                                         .time = memory::now_ms(),
-                                                         .who = "service",
-                                                         .door = {},
-                                                         .action = "folder removed",
-                                                         .subject = name,
-                                                         .before = {},
-                                                         .after = {}}));
+    BITELINE_TRY(operator_control_->memory().forget_folder(name, {.id = 0,
+                                                                  .time = memory::now_ms(),
+                                                                  .who = "service",
+                                                                  .door = {},
+                                                                  .action = "folder removed",
+                                                                  .subject = name,
+                                                                  .before = {},
+                                                                  .after = {}}));
     std::error_code error;
     fs::remove_all(options_.out / name, error);
     if (error) return fail_errno(Errc::WriteFailed, error.value(), "%.200s", (options_.out / name).c_str());

@@ -31,8 +31,8 @@ const Service::Chosen& Service::chosen_of(const WorkedOut& out, const Scan& scan
 }
 
 Service::Worked Service::work_out(Scan scan) {
-  cockpit_->show("works out the line of " + scan.folder.filename().string(),
-                 robot_ ? "its path" : "the next scan");
+  operator_control_->show("works out the line of " + scan.folder.filename().string(),
+                          robot_ ? "its path" : "the next scan");
   const fs::path folder = scan.folder;
   WorkedOut out = work_out_files(scan);
   Chosen chosen = chosen_of(out, scan);
@@ -41,7 +41,7 @@ Service::Worked Service::work_out(Scan scan) {
 
 Service::Worked Service::close_result(WorkedOut out, const fs::path& folder, Chosen chosen) {
   const ShoeWords shoe{.part = chosen.part, .foot = chosen.foot, .size = chosen.size};
-  if (const Result<void> told = tell_shoe(folder, shoe); !told) complain(told.error());
+  if (const Result<void> told = tell_shoe(folder, shoe); !told) log_error(told.error());
   // From here on nobody but a mend writes them.
   if (const Result<memory::Evidence> now = evidence::of_folder(folder)) {
     if (chosen.written == memory::Evidence{}) chosen.written = *now;
@@ -51,12 +51,12 @@ Service::Worked Service::close_result(WorkedOut out, const fs::path& folder, Cho
       planned->request.written = chosen.written;
     if (out.after) out.after->scan.chosen.written = out.after->planned.request.written = chosen.written;
   } else {
-    complain(now.error());
+    log_error(now.error());
   }
   const Remembered told = remember(folder, out.held ? "held" : "open", chosen,
                                    {.goes_on = out.after.has_value()}, out.held ? &*out.held : nullptr);
   if (!told.waits) out.held.reset();
-  if (const Result<void> room = make_room(); !room) complain(room.error());
+  if (const Result<void> room = make_room(); !room) log_error(room.error());
   const std::string cut = cut_off(folder, chosen, out.status);
   Worked worked{.status = std::move(out.status), .held = std::move(out.held), .end = told.end};
   if (!cut.empty()) return ask_a_person(std::move(worked), cut);
@@ -74,7 +74,7 @@ Service::Worked Service::hold_again(Result<ExitStatus> status, HeldScan held, co
 
 Service::Worked Service::wait_on(HeldScan held, Error error) {
   tell_held(held);
-  cockpit_->tell_scan(held.name());
+  operator_control_->tell_scan(held.name());
   return {.status = tl::unexpected<Error>{std::move(error)}, .held = std::move(held)};
 }
 
@@ -105,7 +105,7 @@ Service::WorkedOut Service::work_out_files(Scan& scan) {
   }
   clear_attempt(scan.folder);
   if (!scan.chosen.unknown.empty()) {
-    say_step("%s is held: its model is not known: %s", scan.folder.filename().c_str(),
+    log_step("%s is held: its model is not known: %s", scan.folder.filename().c_str(),
              scan.chosen.unknown.c_str());
     return {.status = ExitStatus::Done,
             .held = HeldScan{.scan = std::move(scan),
@@ -116,14 +116,14 @@ Service::WorkedOut Service::work_out_files(Scan& scan) {
     return {.status = std::move(status)};
   }
   const bool review = line.status == ExitStatus::Review;
-  WorkedOut out = path_without_exceptions(scan, outcome, line, review && cockpit_->has_doors());
+  WorkedOut out = path_without_exceptions(scan, outcome, line, review && operator_control_->has_doors());
   // No path is planned along it, and that is not why it ends.
   if (out.status && review && !out.held) out.status = ExitStatus::Review;
   const Result<ExitStatus> pages = without_exceptions([&]() -> Result<ExitStatus> {
     BITELINE_TRY(line.pages.write(outcome.cloud));
     return ExitStatus::Done;
   });
-  if (!pages) complain(pages.error());
+  if (!pages) log_error(pages.error());
   check_own_calibration(out.held ? out.held->scan : out.after ? out.after->scan : scan, outcome);
   return out;
 }
@@ -170,16 +170,16 @@ Result<LineStep> Service::work_out_line(Scan& scan, intake::ScanOutcome& outcome
 
 KnownBefore Service::known_before() const {
   KnownBefore known{.head = options_.uncertainty, .arm = {}};
-  if (const auto arm = remembered_arm(cockpit_->memory()); arm)
+  if (const auto arm = remembered_arm(operator_control_->memory()); arm)
     known.arm = *arm;
   else
-    complain(arm.error());
+    log_error(arm.error());
   return known;
 }
 
 void Service::keep_arm(const Scan& scan, const LineStep& step) const {
-  const auto kept = remember_arm(scan.folder.filename().string(), step.arm, cockpit_->memory());
-  if (!kept) complain(kept.error());
+  const auto kept = remember_arm(scan.folder.filename().string(), step.arm, operator_control_->memory());
+  if (!kept) log_error(kept.error());
 }
 
 void Service::look_at_own_calibration(Scan& scan, const intake::ScanOutcome& outcome) const {
@@ -197,20 +197,21 @@ void Service::check_own_calibration(Scan& scan, const intake::ScanOutcome& outco
   scan.calibration_checked = true;
   if (options_.calibration_anew) {
     // A memory that is busy or full now takes it at the next scan.
-    const Result<void> anew = begin_calibration_check_anew(cockpit_->memory(), user_name());
+    const Result<void> anew = begin_calibration_check_anew(operator_control_->memory(), user_name());
     options_.calibration_anew = !anew;
-    if (!anew) complain(anew.error());
+    if (!anew) log_error(anew.error());
   }
   const OnDrift on_drift = options_.stop_on_drift ? OnDrift::Stop : OnDrift::Warn;
   const Result<ExitStatus> done = without_exceptions([&]() -> Result<ExitStatus> {
     const Result<drift::Evidence> evidence =
         scan.calibration.valid() ? scan.calibration.get() : look_at_calibration(outcome);
-    BITELINE_ASSIGN(scan.drifted, check_calibration(scan.folder, evidence, outcome.sensor.model,
-                                                    cockpit_->memory(), on_drift, scan.chosen.model));
+    BITELINE_ASSIGN(scan.drifted,
+                    check_calibration(scan.folder, evidence, outcome.sensor.model,
+                                      operator_control_->memory(), on_drift, scan.chosen.model));
     return ExitStatus::Done;
   });
   if (done) return;
-  complain(done.error());
+  log_error(done.error());
   // Nobody knows: with --on-drift stop a person looks.
   scan.drifted = options_.stop_on_drift;
 }
@@ -239,20 +240,20 @@ Result<LineStep> Service::use_library(Scan& scan, const intake::ScanOutcome& out
   const transfer::Library library = stock_for(chosen).models;
   if (outcome.failure || found.too_little_seen || (!options_.models && chosen.model.empty())) {
     BITELINE_TRY(choose_process(chosen));
-    cockpit_->show_model(chosen.model, chosen.probability, {chosen.process_name, chosen.process_by});
+    operator_control_->show_model(chosen.model, chosen.probability, {chosen.process_name, chosen.process_by});
     return found;
   }
   BITELINE_ASSIGN(const Recognised model, options_.models ? recognise(library, outcome.cloud, order)
                                                           : take_named(library, outcome.cloud, order));
-  say_step("%s", model.words.c_str());
+  log_step("%s", model.words.c_str());
   if (!model.sure()) {
     // Perhaps it is not the shoe that was ordered: no stretch is laid by the order's foot alone.
     chosen.foot.clear();
     chosen.size.clear();
-    cockpit_->show_model(model.model, model.probability, {chosen.process_name, chosen.process_by});
+    operator_control_->show_model(model.model, model.probability, {chosen.process_name, chosen.process_by});
     // Without a line and without a model that is near, nobody could go on.
     const bool somebody_may =
-        cockpit_->has_doors() && (found.line || !model.model.empty() || !order.model.empty());
+        operator_control_->has_doors() && (found.line || !model.model.empty() || !order.model.empty());
     if (somebody_may) {
       chosen.unknown = model.words;
       return found;
@@ -266,8 +267,8 @@ Result<LineStep> Service::use_library(Scan& scan, const intake::ScanOutcome& out
   BITELINE_TRY(choose_process(chosen));
   // A model that was asked for together with a process is a person's word for both.
   if (order.model.empty()) look_at_other_process(chosen);
-  cockpit_->show_model(chosen.model, chosen.probability, {chosen.process_name, chosen.process_by});
-  cockpit_->show_shoe({.part = chosen.part, .foot = chosen.foot, .size = chosen.size});
+  operator_control_->show_model(chosen.model, chosen.probability, {chosen.process_name, chosen.process_by});
+  operator_control_->show_shoe({.part = chosen.part, .foot = chosen.foot, .size = chosen.size});
   return use_model(scan.folder, outcome, chosen, model, std::move(sample), std::move(found));
 }
 
@@ -329,7 +330,7 @@ const TakenProcess& Service::taken_of(const Chosen& chosen) const {
 Service::Worked Service::work_named(HeldScan held, const std::string& model) {
   const fs::path folder = held.scan.folder;
   Unnamed& unnamed = *held.unnamed();
-  cockpit_->show("works out " + held.name() + " as " + model, robot_ ? "its path" : "the next scan");
+  operator_control_->show("works out " + held.name() + " as " + model, robot_ ? "its path" : "the next scan");
   Chosen chosen = chosen_anew(held.scan.chosen);
   // A job's process stays the job's, as where the model is recognised.
   chosen.process_name = held.scan.chosen.process_name;
@@ -347,7 +348,7 @@ Service::Worked Service::work_named(HeldScan held, const std::string& model) {
   look_at_other_process(chosen);
   Scan scan = std::move(held.scan);
   scan.chosen = std::move(chosen);
-  cockpit_->show_model(scan.chosen.model, 1, {scan.chosen.process_name, scan.chosen.process_by});
+  operator_control_->show_model(scan.chosen.model, 1, {scan.chosen.process_name, scan.chosen.process_by});
   WorkedOut out{.status = ExitStatus::Refused};
   const Result<ExitStatus> status = without_exceptions([&]() -> Result<ExitStatus> {
     const bool was_line = unnamed.line.line.has_value();

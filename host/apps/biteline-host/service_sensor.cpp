@@ -11,7 +11,7 @@
 #include "host/apps/biteline-host/scan_row.hpp"
 #include "host/apps/biteline-host/service.hpp"
 #include "host/apps/biteline-host/service_words.hpp"
-#include "host/records/report/report.hpp"
+#include "host/report/report.hpp"
 
 namespace biteline::service {
 namespace {
@@ -41,16 +41,17 @@ Result<void> Service::hear_sensor() {
     config.protocol.acknowledge_by_itself = false;
     if (scan_) config.protocol.resume = scan_->intake.position();
     BITELINE_ASSIGN(link_, intake::SensorLink::open(config));
-    if (links_++ > 0) cockpit_->enter(CellEvent::Lost);
+    if (links_++ > 0) operator_control_->enter(CellEvent::Lost);
   }
   // The next scan only once the arm is out of its way, and what was left of earlier ones is done.
   const bool next_scan = is_free() && unfinished_.empty() && !rests();
-  if (cockpit_->cell().may_ask() && !scan_ && cut_off_.empty() && (next_scan || looks() || inspects())) {
+  if (operator_control_->cell().may_ask() && !scan_ && cut_off_.empty() &&
+      (next_scan || looks() || inspects())) {
     // A robot that is not ready would cost a scan that nobody can use.
     if (!robot_ready()) {
       // A start that takes effect whenever somebody mends the robot would surprise him.
       if (!robot_moves_ && looks()) give_up_look("the robot is not ready: " + robot_wrong_);
-      if (!robot_moves_ && !inspects()) cockpit_->give_up_start();
+      if (!robot_moves_ && !inspects()) operator_control_->give_up_start();
       if (options_.once && !robot_moves_)
         return fail(Errc::DeviceError, "robot %s: it is not ready", robot_->options.script.c_str());
       BITELINE_ASSIGN(const std::optional<intake::LinkEvent> meanwhile, link_->next(k_turn));
@@ -60,11 +61,11 @@ Result<void> Service::hear_sensor() {
     // A stop that came while the robot was asked is one.
     const std::optional<robot::StopMark> mark = looks()      ? held_->scan.mark
                                                 : inspects() ? after_->scan.mark
-                                                             : cockpit_->begin_cycle();
+                                                             : operator_control_->begin_cycle();
     if (mark && !mark->stopped()) {
-      cockpit_->enter(CellEvent::Asks);
+      operator_control_->enter(CellEvent::Asks);
       // Before the light, which may come before the scan does.
-      say_step("asks for a scan");
+      log_step("asks for a scan");
       // Should the scan that was asked for before begin after all, it is as old as that.
       asked_ = asked_.value_or(*mark);
       link_->command({.id = k_start_id, .command = wire::Command::StartScan});
@@ -79,15 +80,15 @@ Result<void> Service::hear_sensor() {
 Result<void> Service::on_event(const intake::LinkEvent& event) {
   if (const auto* hello = std::get_if<intake::Hello>(&event)) {
     sensor_lost_.clear();
-    cockpit_->hear(hello->sensor);
+    operator_control_->hear(hello->sensor);
     return on_hello(*hello);
   }
-  if (const auto* health = std::get_if<wire::Health>(&event)) cockpit_->hear(*health);
+  if (const auto* health = std::get_if<wire::Health>(&event)) operator_control_->hear(*health);
   if (const auto* reply = std::get_if<wire::ControlReply>(&event)) {
     if (reply->id > k_last_own_id) {
       Result<std::string> done = reply->where;
       if (reply->errc != 0) done = fail(Errc::PeerRefused, "%s", reply->where.c_str());
-      cockpit_->answer_sensor(reply->id, done);
+      operator_control_->answer_sensor(reply->id, done);
       return {};
     }
     if (reply->errc == 0 || reply->id != k_start_id) return {};
@@ -96,7 +97,7 @@ Result<void> Service::on_event(const intake::LinkEvent& event) {
   if (!scan_) return {};  // the rest of a scan that was over before this host came
   const std::size_t before = scan_->intake.cloud().size();
   BITELINE_TRY(scan_->intake.take(event, link_->packet()));
-  cockpit_->show_progress(scan_->intake.profiles(), scan_->intake.profiles_expected());
+  operator_control_->show_progress(scan_->intake.profiles(), scan_->intake.profiles_expected());
   if (scan_->intake.ended() && !scan_->ended) {
     scan_->ended = now();
     if (scan_->stopped_by.empty() && scan_->mark.stopped()) scan_->stopped_by = k_somebody;
@@ -115,24 +116,24 @@ Result<void> Service::on_event(const intake::LinkEvent& event) {
 Result<void> Service::on_hello(const intake::Hello& hello) {
   if (scan_ && !hello.resumed) {
     // What there is of it is kept and told; it is not a result.
-    say_step("the sensor no longer has the rest of %s", scan_->folder.filename().c_str());
+    log_step("the sensor no longer has the rest of %s", scan_->folder.filename().c_str());
     Scan cut_off = std::move(*scan_);
     if (cut_off.stopped_by.empty() && cut_off.mark.stopped()) cut_off.stopped_by = k_somebody;
     scan_.reset();
     cut_off_.push_back(std::move(cut_off));
-    cockpit_->enter(CellEvent::ScanIsIn);
+    operator_control_->enter(CellEvent::ScanIsIn);
   }
   if (scan_) {
     const std::uint64_t at = scan_->intake.profiles();
     if (std::exchange(scan_->went_on_at, at) != at)
-      say_step("goes on with %s at profile %llu", scan_->folder.filename().c_str(),
+      log_step("goes on with %s at profile %llu", scan_->folder.filename().c_str(),
                static_cast<unsigned long long>(at));
     return {};
   }
   const bool has_scan = hello.scan_id != 0 && (hello.sensor.scanning || hello.sensor.lossless);
   if (!has_scan) {
-    say_step("connected to %s%s", hello.sensor.name.c_str(), hello.sensor.simulated ? " (simulated)" : "");
-    cockpit_->enter(CellEvent::Heard);
+    log_step("connected to %s%s", hello.sensor.name.c_str(), hello.sensor.simulated ? " (simulated)" : "");
+    operator_control_->enter(CellEvent::Heard);
     asked_.reset();
     return {};
   }
@@ -144,7 +145,7 @@ Result<void> Service::on_hello(const intake::Hello& hello) {
   BITELINE_ASSIGN(intake::ScanIntake intake, intake::ScanIntake::begin(folder, hello, link_->packet()));
   hold_scan(folder, std::move(intake));
   take_part();
-  say_step("takes in scan '%s' of %s%s into %s", hello.sensor.scan_name.c_str(), hello.sensor.name.c_str(),
+  log_step("takes in scan '%s' of %s%s into %s", hello.sensor.scan_name.c_str(), hello.sensor.name.c_str(),
            hello.sensor.simulated ? " (simulated)" : "", folder.c_str());
   return {};
 }
@@ -152,21 +153,21 @@ Result<void> Service::on_hello(const intake::Hello& hello) {
 Result<void> Service::on_refused_start(const std::string& why) {
   asked_.reset();
   if (inspects()) {
-    cockpit_->enter(CellEvent::Refuses);
+    operator_control_->enter(CellEvent::Refuses);
     give_up_inspection("the sensor does not begin: " + why);
     return {};
   }
   const Result<void> no = fail(Errc::PeerRefused, "the sensor does not begin a scan: %s", why.c_str());
   if (options_.once) return no;
-  complain(no.error());
+  log_error(no.error());
   if (looks()) {
-    cockpit_->enter(CellEvent::Refuses);
+    operator_control_->enter(CellEvent::Refuses);
     give_up_look("the sensor does not begin: " + why);
     return {};
   }
   // It is there and says why: the link stays.
-  cockpit_->give_up_start();
-  cockpit_->enter(CellEvent::Refuses);
+  operator_control_->give_up_start();
+  operator_control_->enter(CellEvent::Refuses);
   rest("the sensor does not begin a scan: " + why, "mend what it names");
   return {};
 }
@@ -188,29 +189,29 @@ void Service::rest_after(const Worked& worked) {
 
 void Service::rest(const std::string& words, const std::string& next_step) {
   const ToldOnce::Heard heard = spoilt_.hear(words, now());
-  const bool by_itself = !cockpit_->on_demand();
+  const bool by_itself = !operator_control_->on_demand();
   const auto wait_s =
       static_cast<int>((heard.wait + std::chrono::milliseconds{999}) / std::chrono::seconds{1});
   rest_ = Rest{.until = now() + heard.wait, .words = words, .next_step = next_step};
   if (by_itself) {
     rest_->next_step += "; the next scan after " + std::to_string(wait_s) + " s" +
-                        (cockpit_->has_doors() ? ", or by a start" : "");
+                        (operator_control_->has_doors() ? ", or by a start" : "");
   }
-  if (heard.tells) say_step("%s", with_count(rest_->next_step, heard).c_str());
+  if (heard.tells) log_step("%s", with_count(rest_->next_step, heard).c_str());
 }
 
 bool Service::rests() {
   // Where each scan has its own start, somebody has said it.
-  if (rest_ && !cockpit_->on_demand() && now() >= rest_->until) rest_.reset();
-  return rest_ && !cockpit_->on_demand();
+  if (rest_ && !operator_control_->on_demand() && now() >= rest_->until) rest_.reset();
+  return rest_ && !operator_control_->on_demand();
 }
 
 void Service::hold_scan(const fs::path& folder, intake::ScanIntake intake) {
   rest_.reset();
-  cockpit_->scan_begins(folder.filename().string());
-  cockpit_->show(folder.filename().string() + " comes in", "its line");
+  operator_control_->scan_begins(folder.filename().string());
+  operator_control_->show(folder.filename().string() + " comes in", "its line");
   scan_.emplace(Scan{.folder = folder, .intake = std::move(intake), .line = {}, .connection = connection()});
-  scan_->mark = asked_.value_or(cockpit_->going());
+  scan_->mark = asked_.value_or(operator_control_->going());
   asked_.reset();
   if (carrier_) return;
   scan_->line = std::make_unique<intake::LiveLine>(bite_line::Config{});
@@ -241,12 +242,12 @@ Result<void> Service::take_up(const fs::path& folder) {
     return set_scan_aside(folder, to_line(intake.error()));
   }
   const std::optional<robot::Word> word = take_word(folder, intake->scan_id());
-  say_step("found %s unfinished, with %llu profiles", folder.filename().c_str(),
+  log_step("found %s unfinished, with %llu profiles", folder.filename().c_str(),
            static_cast<unsigned long long>(intake->profiles()));
   hold_scan(folder, std::move(*intake));
   scan_->recovered = true;
   scan_->chosen.part = marked_part(folder);
-  cockpit_->show_shoe({.part = scan_->chosen.part});
+  operator_control_->show_shoe({.part = scan_->chosen.part});
   scan_->confirmed = word;
   scan_->stopped_by = stopped_by(folder);
   // A connection made before would go on with another scan; the next one asks for the rest of this.
@@ -256,8 +257,8 @@ Result<void> Service::take_up(const fs::path& folder) {
 
 Result<void> Service::set_scan_aside(const fs::path& folder, const std::string& why) {
   BITELINE_TRY(set_aside(folder, why));
-  BITELINE_TRY(take_up_rows(cockpit_->memory(), options_.out));
-  cockpit_->tell_scan(folder.filename().string());
+  BITELINE_TRY(take_up_rows(operator_control_->memory(), options_.out));
+  operator_control_->tell_scan(folder.filename().string());
   return {};
 }
 
@@ -267,10 +268,10 @@ bool Service::confirmed(const fs::path& folder) const {
 
 std::optional<robot::Word> Service::take_word(const fs::path& folder, std::uint64_t scan_id) {
   if (!confirmed(folder) || scan_id != confirm_->scan_id) return std::nullopt;
-  const Result<robot::Word> word = use_up(*confirm_, cockpit_->memory());
+  const Result<robot::Word> word = use_up(*confirm_, operator_control_->memory());
   confirm_.reset();
   if (word) return *word;
-  complain(word.error());
+  log_error(word.error());
   return std::nullopt;
 }
 
@@ -279,14 +280,14 @@ fs::path Service::next_folder() const {
   int number = 1;
   memory::ScanFilter last;
   last.limit = 1;
-  if (const Result<memory::ScanPage> newest = cockpit_->memory().scans(last);
+  if (const Result<memory::ScanPage> newest = operator_control_->memory().scans(last);
       newest && !newest->scans.empty())
     number = 1 + std::atoi(newest->scans.front().name.c_str() + std::strlen("scan-"));
   std::error_code error;
   for (;; ++number) {
     char name[32];
     std::snprintf(name, sizeof name, "scan-%04d", number);
-    const Result<std::optional<memory::Scan>> known = cockpit_->memory().scan(name);
+    const Result<std::optional<memory::Scan>> known = operator_control_->memory().scan(name);
     if (!fs::exists(options_.out / name, error) && !(known && *known)) return options_.out / name;
   }
 }
@@ -306,7 +307,7 @@ fs::path Service::take_next_folder() {
 }
 
 bool Service::sensor_hears() const {
-  const Sensing sensing = cockpit_->cell().sensing();
+  const Sensing sensing = operator_control_->cell().sensing();
   return link_ && sensing != Sensing::Starting && sensing != Sensing::Away;
 }
 

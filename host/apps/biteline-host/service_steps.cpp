@@ -11,8 +11,8 @@
 #include "host/apps/biteline-host/service.hpp"
 #include "host/apps/biteline-host/service_words.hpp"
 #include "host/records/evidence/evidence.hpp"
-#include "host/records/report/json_text.hpp"
-#include "host/records/report/report.hpp"
+#include "host/report/json_text.hpp"
+#include "host/report/report.hpp"
 #include "host/robot/path/mounted.hpp"
 
 namespace biteline::service {
@@ -93,10 +93,10 @@ std::string Service::cut_off(const fs::path& folder, const Chosen& chosen,
 }
 
 Service::Worked Service::ask_a_person(Worked worked, const std::string& words) {
-  say_step("%s; a person must look before the next scan", words.c_str());
-  cockpit_->show_work(words, true);
+  log_step("%s; a person must look before the next scan", words.c_str());
+  operator_control_->show_work(words, true);
   keep_asking(words);
-  cockpit_->enter(CellEvent::AsksPerson);
+  operator_control_->enter(CellEvent::AsksPerson);
   worked.asks = words;
   return worked;
 }
@@ -157,10 +157,10 @@ NextStep Service::next_of_step(const AfterWork& after) const {
   return next_of(
       {.sends = robot_->options.send,
        .has_path = planned.plan.outcome.path.has_value(),
-       .doors = cockpit_->has_doors(),
+       .doors = operator_control_->has_doors(),
        .seen = !seen.recovered && !seen.from_recording && seen.one_connection,
        .asks_by_gate = needs_a_person(planned.plan.request.process.gate, planned.request.confidence),
-       .asked_to_hold = cockpit_->wants_hold_at_last(after.name()),
+       .asked_to_hold = operator_control_->wants_hold_at_last(after.name()),
        .drift_stops = after.scan.drifted && options_.stop_on_drift,
        .looks = looks_of(after.scan.chosen, planned.request.mounted)});
 }
@@ -169,10 +169,10 @@ void Service::tell_next_scan(const std::string& before, const std::string& next,
   const fs::path folder = options_.out / before;
   Result<std::optional<WorkBook>> book = read_work(folder);
   if (book && !*book) return;
-  if (!book) return complain(book.error());
+  if (!book) return log_error(book.error());
   (*book)->next_scan = next;
   if (!owed) (*book)->next.clear();
-  if (const Result<void> written = write_work(folder, **book); !written) complain(written.error());
+  if (const Result<void> written = write_work(folder, **book); !written) log_error(written.error());
 }
 
 std::string Service::leave_step(const Scan& scan) const {
@@ -181,18 +181,18 @@ std::string Service::leave_step(const Scan& scan) const {
   tell_next_scan(before, scan.folder.filename().string(), false);
   const std::string words =
       before + " is not worked with " + scan.chosen.process_name + ": a person has ended it";
-  cockpit_->show_work(words, true);
+  operator_control_->show_work(words, true);
   keep_asking(words);
-  cockpit_->enter(CellEvent::AsksPerson);
+  operator_control_->enter(CellEvent::AsksPerson);
   return words;
 }
 
 Service::Worked Service::begin_step(AfterWork after) {
   const std::string before = after.name(), process = after.scan.chosen.following.front().process.name;
-  cockpit_->show("plans what follows for " + before + ": " + process, "the arm works it");
+  operator_control_->show("plans what follows for " + before + ": " + process, "the arm works it");
   Result<ExitStatus> status = without_exceptions([&]() -> Result<ExitStatus> {
     BITELINE_TRY(take_step(after));
-    cockpit_->works(after.name());
+    operator_control_->works(after.name());
     BITELINE_TRY(plan_step(after));
     return after.planned.plan.status;
   });
@@ -205,13 +205,13 @@ Service::Worked Service::begin_step(AfterWork after) {
   };
   if (!status) return leave(status, to_line(status.error()));
   tell_next_scan(before, name, true);
-  say_step("%s: %s follows %s", name.c_str(), process.c_str(), before.c_str());
+  log_step("%s: %s follows %s", name.c_str(), process.c_str(), before.c_str());
   const NextStep next = next_of_step(after);
   if (next.next == Next::Keep) return leave(status, "no path: " + after.planned.plan.outcome.reason());
   if (next.next == Next::Refuse) return leave(ExitStatus::Refused, next.why);
   if (next.next == Next::Hold) {
     const std::string why = looks_of(after.scan.chosen, after.planned.request.mounted);
-    say_step("%s is held: a person must accept it%s%s", name.c_str(), why.empty() ? "" : ": ", why.c_str());
+    log_step("%s is held: a person must accept it%s%s", name.c_str(), why.empty() ? "" : ": ", why.c_str());
     Chosen chosen = after.scan.chosen;
     return close_result({.status = ExitStatus::Done,
                          .held = HeldScan{.scan = std::move(after.scan), .what = std::move(after.planned)}},
@@ -223,8 +223,8 @@ Service::Worked Service::begin_step(AfterWork after) {
 Service::Worked Service::follow_step(AfterWork after) {
   const fs::path folder = after.scan.folder;
   const std::string before = after.scan.chosen.follows;
-  cockpit_->enter(CellEvent::ArmSetsOut);
-  cockpit_->show("the arm follows the line of " + after.name(), "what follows it");
+  operator_control_->enter(CellEvent::ArmSetsOut);
+  operator_control_->show("the arm follows the line of " + after.name(), "what follows it");
   WorkedOut out{.status = without_exceptions([&] {
                   return follow_and_owe_look(folder, after.scan.chosen, [&] {
                     return follow_path(folder, after.planned.plan, after.planned.request);

@@ -2,8 +2,8 @@
 // A scan that is taught: with another process, and first in the air.
 #include "host/apps/biteline-host/service.hpp"
 #include "host/apps/biteline-host/service_words.hpp"
-#include "host/doors/api/air.hpp"
-#include "host/records/report/report.hpp"
+#include "host/interfaces/api/air.hpp"
+#include "host/report/report.hpp"
 #include "host/robot/path/first_run.hpp"
 
 namespace biteline::service {
@@ -20,7 +20,7 @@ Service::Chosen Service::chosen_anew(const Chosen& before) {
 Service::Worked Service::plan_with(HeldScan held, const std::string& process, const std::string& who) {
   Chosen& chosen = held.scan.chosen;
   Planned& planned = *held.planned();
-  cockpit_->show("plans the path of " + held.name() + " with " + process, "a person decides");
+  operator_control_->show("plans the path of " + held.name() + " with " + process, "a person decides");
   Result<ExitStatus> status = without_exceptions([&]() -> Result<ExitStatus> {
     // The path of another process is not what was asked for, also where this one cannot be read.
     planned.plan.outcome = {};
@@ -39,13 +39,13 @@ Service::Worked Service::plan_with(HeldScan held, const std::string& process, co
     planned.plan.request.process = process_to_plan(chosen);
     return plan_anew(held);
   });
-  cockpit_->show_model(chosen.model, chosen.probability, {chosen.process_name, chosen.process_by});
+  operator_control_->show_model(chosen.model, chosen.probability, {chosen.process_name, chosen.process_by});
   // Also without a path: another process may have one.
   return hold_again(std::move(status), std::move(held));
 }
 
 Service::Worked Service::work_with(HeldScan held, const std::string& process, const std::string& who) {
-  cockpit_->show("plans the path of " + held.name() + " with " + process, "a person decides");
+  operator_control_->show("plans the path of " + held.name() + " with " + process, "a person decides");
   Unnamed& unnamed = *held.unnamed();
   Chosen chosen = chosen_anew(held.scan.chosen);
   chosen.process_name = process;
@@ -63,7 +63,7 @@ Service::Worked Service::work_with(HeldScan held, const std::string& process, co
   order_taught(process, chosen);
   Scan scan = std::move(held.scan);
   scan.chosen = std::move(chosen);
-  cockpit_->show_model("", 0, {scan.chosen.process_name, scan.chosen.process_by});
+  operator_control_->show_model("", 0, {scan.chosen.process_name, scan.chosen.process_by});
   const std::filesystem::path folder = scan.folder;
   WorkedOut out = path_without_exceptions(scan, unnamed.outcome, unnamed.line, true);
   Chosen worked = chosen_of(out, scan);
@@ -72,7 +72,7 @@ Service::Worked Service::work_with(HeldScan held, const std::string& process, co
 
 Service::Worked Service::run_in_air(HeldScan held, const robot::Word& word) {
   Planned& planned = *held.planned();
-  cockpit_->show("the arm runs the path of " + held.name() + " in the air", "a person decides");
+  operator_control_->show("the arm runs the path of " + held.name() + " in the air", "a person decides");
   const std::filesystem::path folder = held.scan.folder / api::k_air_folder;
   Result<ExitStatus> status = without_exceptions([&]() -> Result<ExitStatus> {
     std::error_code error;
@@ -88,14 +88,14 @@ Service::Worked Service::run_in_air(HeldScan held, const robot::Word& word) {
     send.approved = word;
     send.holds_arm = holds_arm();
     BITELINE_ASSIGN(send.mounted, mounted(plan.request.process));
-    cockpit_->enter(CellEvent::AirSetsOut);
+    operator_control_->enter(CellEvent::AirSetsOut);
     return follow_path(folder, plan, send);
   });
   if (!status) {
     // Else whoever asked for it would wait for its outcome.
     report::Report report;
     report.refuse(to_line(status.error()));
-    if (const Result<void> told = report.write(folder); !told) complain(told.error());
+    if (const Result<void> told = report.write(folder); !told) log_error(told.error());
   }
   return hold_again(std::move(status), std::move(held));
 }

@@ -13,7 +13,7 @@
 
 namespace biteline::service {
 
-void complain(const Error& error) {
+void log_error(const Error& error) {
   static std::mutex mutex;
   static ToldOnce told;
   const std::string words = to_line(error);

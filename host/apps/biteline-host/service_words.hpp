@@ -11,7 +11,7 @@
 #include "common/time/clocks.hpp"
 #include "host/apps/biteline-host/controller.hpp"
 #include "host/apps/biteline-host/options.hpp"
-#include "host/apps/biteline-host/steps.hpp"
+#include "host/apps/biteline-host/scan_pipeline.hpp"
 #include "host/apps/biteline-host/stock.hpp"
 #include "host/intake/child_process.hpp"
 
@@ -23,12 +23,12 @@ inline constexpr const char* k_results_lock = "biteline-host.lock";
 /// The answer to a start matters: a stop has done its work or there was nothing to stop.
 inline constexpr std::uint32_t k_start_id = 1;
 inline constexpr std::uint32_t k_stop_id = 2;
-/// Larger ones: settings and recordings, as Cockpit counts them.
+/// Larger ones: settings and recordings, as OperatorControl counts them.
 inline constexpr std::uint32_t k_last_own_id = 2;
 
 /// One line on standard error; what goes wrong again and again is told less and less often (ToldOnce).
 /// Thread: any.
-void complain(const Error& error);
+void log_error(const Error& error);
 
 /// Goes on while the machine is suspended, as the shoe grows older meanwhile: not to be compared with stamps
 /// of a link.

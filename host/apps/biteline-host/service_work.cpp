@@ -11,7 +11,7 @@
 #include "host/records/digest/digest.hpp"
 #include "host/records/look/planned_band.hpp"
 #include "host/records/look/rework_files.hpp"
-#include "host/records/report/report.hpp"
+#include "host/report/report.hpp"
 
 namespace biteline::service {
 namespace {
@@ -74,7 +74,7 @@ Result<ExitStatus> Service::follow_and_owe_look(const fs::path& folder, const Ch
 }
 
 bool Service::inspects() const {
-  return after_ && !result_.valid() && cockpit_->cell().shoe() == Shoe::Inspecting;
+  return after_ && !result_.valid() && operator_control_->cell().shoe() == Shoe::Inspecting;
 }
 
 Result<void> Service::begin_inspection(const intake::Hello& hello) {
@@ -87,9 +87,9 @@ Result<void> Service::begin_inspection(const intake::Hello& hello) {
   scan_->after_work = true;
   scan_->mark = after_->scan.mark;
   asked_.reset();
-  cockpit_->enter(CellEvent::ScanBegins);
+  operator_control_->enter(CellEvent::ScanBegins);
   show_scan(*scan_);
-  say_step("looks at what was done to %s", after_->name().c_str());
+  log_step("looks at what was done to %s", after_->name().c_str());
   return {};
 }
 
@@ -103,7 +103,7 @@ void Service::give_up_inspection(const std::string& why) {
 
 Service::Worked Service::inspect_work(AfterWork after, Scan look) {
   const std::string name = after.name();
-  cockpit_->show("compares what was done to " + name, "what is missing");
+  operator_control_->show("compares what was done to " + name, "what is missing");
   WorkBook book{.work = {.verdict = {}, .reworked = after.reworked}, .looks = after.looks};
   std::string why_not;
   std::optional<Inspected> seen;
@@ -126,7 +126,7 @@ Service::Worked Service::inspect_work(AfterWork after, Scan look) {
   book.work = work_of(seen->findings, seen->judged.status);
   book.work.reworked = after.reworked;
   book.told = seen->judged.told;
-  say_step("%s: %s", name.c_str(), in_one_line(look::summary(seen->findings)).c_str());
+  log_step("%s: %s", name.c_str(), in_one_line(look::summary(seen->findings)).c_str());
   const bool may =
       taken_of(after.scan.chosen).process.after_work == path::AfterWork::Rework && !after.reworked;
   if (may && book.work.verdict == "faulty" && *book.work.missing_mm > 0)
@@ -167,7 +167,7 @@ Service::Worked Service::rework(AfterWork after, const Inspected& seen, WorkBook
   const second_look::Rework pieces =
       second_look::rework_of(seen.findings.faults, seen.plan, seen.findings.line_mm, {});
   const auto leave = [&](const std::string& why, Result<ExitStatus> status) {
-    say_step("%s is not worked once more: %s", after.name().c_str(), why.c_str());
+    log_step("%s is not worked once more: %s", after.name().c_str(), why.c_str());
     book.told.reason += "; not worked once more: " + why;
     return end_work(std::move(after), std::move(book), std::move(status));
   };
@@ -198,7 +198,7 @@ Result<ExitStatus> Service::follow_rework(const AfterWork& after, const Inspecte
                                           const second_look::Rework& pieces, std::string& why_not) {
   const std::string name = after.name();
   const fs::path folder = after.scan.folder / k_work_folder / k_rework_folder;
-  cockpit_->show("plans what is missing of " + name, "the arm works it once more");
+  operator_control_->show("plans what is missing of " + name, "the arm works it once more");
   path::PlanRequest request = after.planned.plan.request;
   for (const second_look::ReworkPiece& piece : pieces.pieces)
     request.process.only.push_back({.from_mm = piece.along.from_mm, .to_mm = piece.along.to_mm});
@@ -219,9 +219,9 @@ Result<ExitStatus> Service::follow_rework(const AfterWork& after, const Inspecte
   // A person's yes was to the path before.
   send.approved.reset();
   send.looked = after.looked;
-  say_step("%s: %zu pieces are worked once more", name.c_str(), pieces.pieces.size());
-  cockpit_->enter(CellEvent::ArmSetsOut);
-  cockpit_->show("the arm works once more what is missing of " + name, "a look at it");
+  log_step("%s: %zu pieces are worked once more", name.c_str(), pieces.pieces.size());
+  operator_control_->enter(CellEvent::ArmSetsOut);
+  operator_control_->show("the arm works once more what is missing of " + name, "a look at it");
   BITELINE_ASSIGN(const ExitStatus status, follow_path(folder, plan, send));
   if (status == ExitStatus::Done) return status;
   const std::optional<report::ToldRefusal> gate = why_not_followed(folder);
@@ -243,67 +243,68 @@ Service::Worked Service::end_work(AfterWork after, WorkBook book, Result<ExitSta
   const bool follows = !chosen.following.empty();
   if (follows && asks) book.told.reason += "; not worked with " + chosen.following.front().process.name;
   if (follows && !asks) book.next = chosen.following.front().process.name;
-  if (const Result<void> written = write_work(after.scan.folder, book); !written) complain(written.error());
+  if (const Result<void> written = write_work(after.scan.folder, book); !written) log_error(written.error());
   const std::string words = name + ": " + (asks ? book.told.reason : "all of the band is worked");
-  if (asks && !cockpit_->has_doors())
-    say_step("no door is open: start the service again once a person has looked");
+  if (asks && !operator_control_->has_doors())
+    log_step("no door is open: start the service again once a person has looked");
   Worked worked{.status = std::move(status)};
   // Before doors hear of it: a start that comes after the row is a word about it.
   if (asks) {
     worked = ask_a_person(std::move(worked), words);
   } else {
-    say_step("%s", words.c_str());
-    cockpit_->show_work(words, false);
+    log_step("%s", words.c_str());
+    operator_control_->show_work(words, false);
   }
   worked.end = remember(after.scan.folder, "open", chosen, {.goes_on = follows && !asks}).end;
   return follows && !asks ? begin_step(std::move(after)) : std::move(worked);
 }
 
 void Service::keep_asking(const std::string& words) const {
-  const Result<void> put = cockpit_->memory().put_setting(k_asks_key, words,
-                                                          {.id = 0,
-                                                           .time = memory::now_ms(),
-                                                           .who = "service",
-                                                           .door = {},
-                                                           .action = "look by a person",
-                                                           .subject = "cell",
-                                                           .before = {},
-                                                           .after = words.empty() ? "done" : "asked for"});
-  if (!put) complain(put.error());
+  const Result<void> put =
+      operator_control_->memory().put_setting(k_asks_key, words,
+                                              {.id = 0,
+                                               .time = memory::now_ms(),
+                                               .who = "service",
+                                               .door = {},
+                                               .action = "look by a person",
+                                               .subject = "cell",
+                                               .before = {},
+                                               .after = words.empty() ? "done" : "asked for"});
+  if (!put) log_error(put.error());
 }
 
 void Service::close_held_step(const std::string& scan, const report::ToldRefusal& told) const {
   if (scan.empty()) return;
-  const Result<std::optional<memory::Scan>> known = cockpit_->memory().scan(scan);
+  const Result<std::optional<memory::Scan>> known = operator_control_->memory().scan(scan);
   if (!known || !*known || (*known)->decision != "held") return;
   memory::Scan row = **known;
   row.decision = "open";
   row.reason_code = told.reason_code;
   row.reason = told.reason;
   row.next_step = told.next_step;
-  const Result<void> put = cockpit_->memory().put_scan(row, {.id = 0,
-                                                             .time = memory::now_ms(),
-                                                             .who = "service",
-                                                             .door = {},
-                                                             .action = "result",
-                                                             .subject = scan,
-                                                             .before = "held",
-                                                             .after = row.decision});
-  if (!put) complain(put.error());
+  const Result<void> put = operator_control_->memory().put_scan(row, {.id = 0,
+                                                                      .time = memory::now_ms(),
+                                                                      .who = "service",
+                                                                      .door = {},
+                                                                      .action = "result",
+                                                                      .subject = scan,
+                                                                      .before = "held",
+                                                                      .after = row.decision});
+  if (!put) log_error(put.error());
 }
 
 void Service::close_owed_looks() {
   // Where no door is open, whoever starts the service has looked.
-  const Result<std::optional<std::string>> asked = cockpit_->memory().setting(k_asks_key);
-  if (!asked) complain(asked.error());
-  if (asked && *asked && cockpit_->has_doors()) asks_ = **asked;
-  if (asked && *asked && !(*asked)->empty() && !cockpit_->has_doors()) keep_asking({});
+  const Result<std::optional<std::string>> asked = operator_control_->memory().setting(k_asks_key);
+  if (!asked) log_error(asked.error());
+  if (asked && *asked && operator_control_->has_doors()) asks_ = **asked;
+  if (asked && *asked && !(*asked)->empty() && !operator_control_->has_doors()) keep_asking({});
   std::error_code error;
   for (fs::directory_iterator at{options_.out, error}, end; !error && at != end; at.increment(error)) {
     const fs::path folder = at->path();
     Result<std::optional<WorkBook>> book = read_work(folder);
     if (!book) {
-      complain(book.error());
+      log_error(book.error());
       continue;
     }
     if (!*book) continue;
@@ -318,8 +319,8 @@ void Service::close_owed_looks() {
     if (!begun && !owes_step) continue;
     const std::string name = folder.filename().string();
     close_book(**book);
-    if (const Result<void> written = write_work(folder, **book); !written) complain(written.error());
-    const Result<std::optional<memory::Scan>> known = cockpit_->memory().scan(name);
+    if (const Result<void> written = write_work(folder, **book); !written) log_error(written.error());
+    const Result<std::optional<memory::Scan>> known = operator_control_->memory().scan(name);
     std::optional<memory::Scan> row = row_of(folder);
     if (row && known && *known) {
       // What the row has besides its files stays.
@@ -331,28 +332,28 @@ void Service::close_owed_looks() {
       row = std::move(kept);
     }
     if (row) {
-      const Result<void> put = cockpit_->memory().put_scan(*row, {.id = 0,
-                                                                  .time = memory::now_ms(),
-                                                                  .who = "service",
-                                                                  .door = {},
-                                                                  .action = "result",
-                                                                  .subject = name,
-                                                                  .before = {},
-                                                                  .after = row->work.verdict});
-      if (!put) complain(put.error());
+      const Result<void> put = operator_control_->memory().put_scan(*row, {.id = 0,
+                                                                           .time = memory::now_ms(),
+                                                                           .who = "service",
+                                                                           .door = {},
+                                                                           .action = "result",
+                                                                           .subject = name,
+                                                                           .before = {},
+                                                                           .after = row->work.verdict});
+      if (!put) log_error(put.error());
     }
     asks_ = name + ": " + (*book)->told.reason;
     close_held_step((*book)->next_scan, (*book)->told);
   }
   if (asks_.empty()) return;
-  say_step("%s", asks_.c_str());
-  cockpit_->show_work(asks_, true);
+  log_step("%s", asks_.c_str());
+  operator_control_->show_work(asks_, true);
   // One scan was asked for by whoever started it: that is a person's word.
   if (options_.once) return asks_.clear();
   keep_asking(asks_);
-  say_step("no scan is asked for before a person has looked%s",
-           cockpit_->has_doors() ? " and started" : " and started the service again");
-  cockpit_->enter(CellEvent::AsksPerson);
+  log_step("no scan is asked for before a person has looked%s",
+           operator_control_->has_doors() ? " and started" : " and started the service again");
+  operator_control_->enter(CellEvent::AsksPerson);
 }
 
 }  // namespace biteline::service

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <optional>
 
-#include "host/doors/api/stock.hpp"
+#include "host/interfaces/api/stock.hpp"
 #include "host/records/memory/memory.hpp"
 #include "host/records/release/shelf.hpp"
 

@@ -5,9 +5,9 @@
 #include <nlohmann/json.hpp>
 
 #include "common/system/file.hpp"
-#include "host/doors/api/words.hpp"
-#include "host/records/report/json_text.hpp"
-#include "host/records/report/report.hpp"
+#include "host/interfaces/api/json_fields.hpp"
+#include "host/report/json_text.hpp"
+#include "host/report/report.hpp"
 
 namespace biteline::service {
 namespace {

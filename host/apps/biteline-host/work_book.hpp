@@ -12,7 +12,7 @@
 
 #include "common/core/result.hpp"
 #include "host/records/memory/memory.hpp"
-#include "host/records/report/refusal.hpp"
+#include "host/report/refusal.hpp"
 #include "host/second_look/second_look.hpp"
 
 namespace biteline::service {

@@ -297,8 +297,8 @@ class Cell {
   Clock::time_point speak_at_{}, look_at_{};
 };
 
-int complain(const std::string& line, ExitStatus status) {
-  return fleet::complain(k_program, line, status);
+int log_error(const std::string& line, ExitStatus status) {
+  return fleet::log_error(k_program, line, status);
 }
 
 int run(int argc, char** argv) {
@@ -321,16 +321,16 @@ int run(int argc, char** argv) {
   app.add_flag("--exit-with-parent", options.exit_with_parent,
                "Stop when the program that started this one ends");
   if (const std::optional<options::Leave> leave = app.parse(argc, argv))
-    return leave->fault.empty() ? 0 : complain(leave->fault + " (see --help)", ExitStatus::BadInput);
+    return leave->fault.empty() ? 0 : log_error(leave->fault + " (see --help)", ExitStatus::BadInput);
   if (!fleet::is_cell_name(options.cell) || fleet::is_reserved_name(options.cell))
-    return complain("--cell: letters, digits, - and _ expected, at most 64, not 'fleet' or 'host'",
-                    ExitStatus::BadInput);
+    return log_error("--cell: letters, digits, - and _ expected, at most 64, not 'fleet' or 'host'",
+                     ExitStatus::BadInput);
   if (!options.sparkplug.empty() && !fleet::is_cell_name(options.sparkplug))
-    return complain("--sparkplug: letters, digits, - and _ expected, at most 64", ExitStatus::BadInput);
+    return log_error("--sparkplug: letters, digits, - and _ expected, at most 64", ExitStatus::BadInput);
   if (options.exit_with_parent) prctl(PR_SET_PDEATHSIG, SIGTERM);
   Cell cell{options};
   if (const Result<void> opened = cell.open(); !opened)
-    return complain(to_line(opened.error()), error_row(opened.error().code).exit_status);
+    return log_error(to_line(opened.error()), error_row(opened.error().code).exit_status);
   cell.run();
   return static_cast<int>(ExitStatus::Done);
 }

@@ -8,11 +8,11 @@
 #include <utility>
 
 #include "common/core/text.hpp"
-#include "host/doors/accounts/accounts.hpp"
-#include "host/doors/accounts/first_token.hpp"
-#include "host/doors/control/client.hpp"
+#include "host/interfaces/accounts/accounts.hpp"
+#include "host/interfaces/accounts/first_token.hpp"
+#include "host/interfaces/control/client.hpp"
 #include "host/records/memory/memory.hpp"
-#include "host/records/report/file_lock.hpp"
+#include "host/report/file_lock.hpp"
 
 namespace biteline::web {
 namespace {

@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "host/apps/biteline-web/beast.hpp"
-#include "host/doors/control/messages.hpp"
+#include "host/interfaces/control/messages.hpp"
 
 namespace biteline::web {
 

@@ -6,7 +6,7 @@
 #include "host/apps/biteline-web/connection.hpp"
 #include "host/apps/biteline-web/guards.hpp"
 #include "host/apps/biteline-web/watcher.hpp"
-#include "host/doors/accounts/first_token.hpp"
+#include "host/interfaces/accounts/first_token.hpp"
 
 namespace biteline::web {
 namespace {

@@ -11,7 +11,7 @@
 #include "common/system/last_words.hpp"
 #include "host/apps/biteline-web/options.hpp"
 #include "host/apps/biteline-web/sensor_watch.hpp"
-#include "host/doors/accounts/metrics_token.hpp"
+#include "host/interfaces/accounts/metrics_token.hpp"
 
 namespace {
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <string_view>
 
-#include "host/doors/control/exposition.hpp"
+#include "host/interfaces/control/exposition.hpp"
 
 namespace biteline::web {
 namespace {

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string>
 
-#include "host/doors/control/messages.hpp"
+#include "host/interfaces/control/messages.hpp"
 
 namespace biteline::web {
 

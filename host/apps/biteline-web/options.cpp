@@ -9,7 +9,7 @@
 namespace biteline::web {
 namespace {
 
-int complain(const std::string& line) {
+int log_error(const std::string& line) {
   std::fprintf(stderr, "biteline-web: %s\n", line.c_str());
   return static_cast<int>(ExitStatus::BadInput);
 }
@@ -119,19 +119,19 @@ ParsedWebOptions parse_web_options(int argc, char** argv) {
   app.add_flag("--exit-with-parent", options.exit_with_parent,
                "Stop when the program that started this one ends");
   if (const std::optional<options::Leave> leave = app.parse(argc, argv)) {
-    parsed.leave_with = leave->fault.empty() ? 0 : complain(leave->fault + " (see --help)");
+    parsed.leave_with = leave->fault.empty() ? 0 : log_error(leave->fault + " (see --help)");
     return parsed;
   }
   if (!tls.certificate.empty()) server.tls = tls;
   const Result<LineListener> at = read_address(listen, server.port);
   if (!at) {
-    parsed.leave_with = complain("--listen: " + to_line(at.error()));
+    parsed.leave_with = log_error("--listen: " + to_line(at.error()));
     return parsed;
   }
   server.address = at->address;
   server.port = at->port;
   if (const std::optional<std::string> fault = read_line_doors(modbus, text, options.line)) {
-    parsed.leave_with = complain(*fault);
+    parsed.leave_with = log_error(*fault);
     return parsed;
   }
   struct EndpointOption {
@@ -144,7 +144,7 @@ ParsedWebOptions parse_web_options(int argc, char** argv) {
     if (option.text.empty()) continue;
     const Result<wire::Endpoint> endpoint = wire::parse_endpoint(option.text);
     if (!endpoint) {
-      parsed.leave_with = complain(std::string{option.name} + ": " + to_line(endpoint.error()));
+      parsed.leave_with = log_error(std::string{option.name} + ": " + to_line(endpoint.error()));
       return parsed;
     }
     option.endpoint = *endpoint;
@@ -153,18 +153,18 @@ ParsedWebOptions parse_web_options(int argc, char** argv) {
     if (account.out.empty() || !account.name.empty() ||
         (options.drop_metrics_token && !options.metrics_token.empty()))
       parsed.leave_with =
-          complain("one of --metrics-token FILE and --drop-metrics-token, with --out DIR (see --help)");
+          log_error("one of --metrics-token FILE and --drop-metrics-token, with --out DIR (see --help)");
     options.accounts = account.out / memory::k_memory_file;
     return parsed;
   }
   if (!account.out.empty() && account.name.empty()) {
-    parsed.leave_with = complain("--out needs --add-user or --metrics-token (see --help)");
+    parsed.leave_with = log_error("--out needs --add-user or --metrics-token (see --help)");
     return parsed;
   }
   if (!account.name.empty()) {
     if (account.out.empty() == !options.control) {
       parsed.leave_with =
-          complain("--add-user needs either --out DIR or --control tcp://HOST:PORT (see --help)");
+          log_error("--add-user needs either --out DIR or --control tcp://HOST:PORT (see --help)");
       return parsed;
     }
     account.control = options.control;
@@ -173,11 +173,11 @@ ParsedWebOptions parse_web_options(int argc, char** argv) {
     return parsed;
   }
   if ((options.line.modbus || options.line.text) && !options.control) {
-    parsed.leave_with = complain("--modbus and --text need --control tcp://HOST:PORT (see --help)");
+    parsed.leave_with = log_error("--modbus and --text need --control tcp://HOST:PORT (see --help)");
     return parsed;
   }
   if (!options.control && !options.sensor) {
-    parsed.leave_with = complain("--control tcp://HOST:PORT expected (see --help)");
+    parsed.leave_with = log_error("--control tcp://HOST:PORT expected (see --help)");
   }
   return parsed;
 }

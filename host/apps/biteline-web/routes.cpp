@@ -8,7 +8,7 @@ namespace biteline::web {
 
 std::span<const Route> routes() {
   static constexpr std::array k_routes{
-#include "host/doors/api/web_routes.inc"
+#include "host/interfaces/api/web_routes.inc"
   };
   return k_routes;
 }

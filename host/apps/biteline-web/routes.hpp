@@ -5,7 +5,7 @@
 #include <span>
 #include <string_view>
 
-#include "host/doors/api/routes.hpp"
+#include "host/interfaces/api/routes.hpp"
 
 namespace biteline::web {
 

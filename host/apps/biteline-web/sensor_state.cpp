@@ -4,8 +4,8 @@
 #include <nlohmann/json.hpp>
 
 #include "common/settings/settings.hpp"
-#include "host/doors/control/upkeep.hpp"
-#include "host/records/report/json_text.hpp"
+#include "host/interfaces/control/upkeep.hpp"
+#include "host/report/json_text.hpp"
 
 namespace biteline::web {
 namespace {

@@ -12,7 +12,7 @@
 #include "common/wire/keys.hpp"
 #include "common/wire/messages.hpp"
 #include "host/apps/biteline-web/live_messages.hpp"
-#include "host/doors/control/messages.hpp"
+#include "host/interfaces/control/messages.hpp"
 
 namespace biteline::web {
 

@@ -6,8 +6,8 @@
 #include <memory>
 #include <optional>
 
-#include "host/doors/control/client.hpp"
-#include "host/doors/control/messages.hpp"
+#include "host/interfaces/control/client.hpp"
+#include "host/interfaces/control/messages.hpp"
 
 namespace biteline::web {
 

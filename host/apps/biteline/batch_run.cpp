@@ -13,8 +13,8 @@
 #include "common/options/command.hpp"
 #include "host/records/batch/compare.hpp"
 #include "host/records/batch/merge.hpp"
-#include "host/records/report/file_lock.hpp"
-#include "host/records/report/progress.hpp"
+#include "host/report/file_lock.hpp"
+#include "host/report/progress.hpp"
 
 namespace biteline::app {
 namespace {

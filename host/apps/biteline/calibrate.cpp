@@ -19,9 +19,9 @@
 #include "host/calibration/head/verdict.hpp"
 #include "host/calibration/refine/scan_refinement.hpp"
 #include "host/cloud/uncertainty/uncertainty_file.hpp"
-#include "host/records/report/json_text.hpp"
-#include "host/records/report/progress.hpp"
-#include "host/records/report/report.hpp"
+#include "host/report/json_text.hpp"
+#include "host/report/progress.hpp"
+#include "host/report/report.hpp"
 
 namespace biteline::app {
 namespace {

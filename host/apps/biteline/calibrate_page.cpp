@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "host/records/report/page.hpp"
+#include "host/report/page.hpp"
 
 namespace biteline::app {
 namespace {

@@ -29,7 +29,7 @@
 #include "host/intake/capture/advice.hpp"
 #include "host/intake/capture/picture_judge.hpp"
 #include "host/intake/capture/still_camera.hpp"
-#include "host/records/report/json_text.hpp"
+#include "host/report/json_text.hpp"
 
 namespace biteline::app {
 namespace {

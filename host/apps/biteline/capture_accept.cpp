@@ -14,7 +14,7 @@
 #include "host/intake/capture/known_piece.hpp"
 #include "host/intake/capture/refused.hpp"
 #include "host/records/digest/digest.hpp"
-#include "host/records/report/page.hpp"
+#include "host/report/page.hpp"
 
 namespace biteline::app {
 namespace {

@@ -13,7 +13,7 @@
 
 #include "common/options/command.hpp"
 #include "host/intake/capture/scan_capture.hpp"
-#include "host/records/report/json_text.hpp"
+#include "host/report/json_text.hpp"
 
 namespace biteline::app {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "common/core/result.hpp"
 #include "common/options/command.hpp"
-#include "host/records/report/report.hpp"
+#include "host/report/report.hpp"
 
 namespace biteline::app {
 

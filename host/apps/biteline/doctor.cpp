@@ -24,7 +24,7 @@
 #include "host/apps/biteline/doctor_light.hpp"
 #include "host/intake/child_process.hpp"
 #include "host/intake/sensor_process.hpp"
-#include "host/records/report/json_text.hpp"
+#include "host/report/json_text.hpp"
 #include "host/robot/link/ur/controller_door.hpp"
 
 namespace biteline::app {

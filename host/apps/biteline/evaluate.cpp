@@ -12,7 +12,7 @@
 #include "host/bite_line/evaluation/line_error.hpp"
 #include "host/cloud/far_line.hpp"
 #include "host/cloud/ply.hpp"
-#include "host/records/report/json_text.hpp"
+#include "host/report/json_text.hpp"
 
 namespace biteline::app {
 namespace {

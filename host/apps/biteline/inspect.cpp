@@ -13,7 +13,7 @@
 #include "host/records/look/look_result.hpp"
 #include "host/records/look/planned_band.hpp"
 #include "host/records/look/rework_files.hpp"
-#include "host/records/report/progress.hpp"
+#include "host/report/progress.hpp"
 #include "host/robot/path/zones.hpp"
 
 namespace biteline::app {

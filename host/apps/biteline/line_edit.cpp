@@ -9,9 +9,9 @@
 #include "common/core/fixed_text.hpp"
 #include "common/options/command.hpp"
 #include "common/system/user_name.hpp"
-#include "host/records/report/file_lock.hpp"
 #include "host/records/results/mended_result.hpp"
 #include "host/records/results/view/weak_stretches.hpp"
+#include "host/report/file_lock.hpp"
 
 namespace biteline::app {
 namespace {
@@ -48,10 +48,10 @@ Result<Vec3> read_point(const std::string& text) {
   return point;
 }
 
-Result<std::vector<mend::Step>> steps_of(const LineEditOptions& options,
-                                         const std::vector<mend::Version>& versions) {
-  using Kind = mend::Step::Kind;
-  std::vector<mend::Step> steps;
+Result<std::vector<edit::Step>> steps_of(const LineEditOptions& options,
+                                         const std::vector<edit::Version>& versions) {
+  using Kind = edit::Step::Kind;
+  std::vector<edit::Step> steps;
   if (options.back_to >= 0)
     steps.push_back({.kind = Kind::BackTo, .points = {}, .line_version = options.back_to});
   if (options.undo) {
@@ -61,18 +61,18 @@ Result<std::vector<mend::Step>> steps_of(const LineEditOptions& options,
   }
   if (options.has_from != options.has_to)
     return fail(Errc::InvalidArgument, "--from and --to: both ends of the stretch expected");
-  const mend::Stretch stretch{.from_mm = options.from_mm, .to_mm = options.to_mm};
+  const edit::Stretch stretch{.from_mm = options.from_mm, .to_mm = options.to_mm};
   const bool alone = options.candidate > 0 && options.through.empty() && !options.cut;
   if (options.candidate > 0)
     steps.push_back({.kind = Kind::Candidate,
                      .candidate = options.candidate,
-                     .stretch = alone ? stretch : mend::Stretch{},
+                     .stretch = alone ? stretch : edit::Stretch{},
                      .points = {}});
   if (options.cut) {
     if (!options.has_from) return fail(Errc::InvalidArgument, "--cut: --from and --to expected");
     steps.push_back({.kind = Kind::Cut, .stretch = stretch, .points = {}});
   } else if (!options.through.empty() || (options.has_from && !alone)) {
-    mend::Step step{.kind = Kind::Through, .stretch = stretch, .points = {}};
+    edit::Step step{.kind = Kind::Through, .stretch = stretch, .points = {}};
     for (const std::string& text : options.through) {
       BITELINE_ASSIGN(const Vec3 point, read_point(text));
       step.points.push_back(point);
@@ -99,11 +99,11 @@ Result<void> no_service_holds(const fs::path& scan) {
 Result<ExitStatus> edit(const LineEditOptions& options, const GlobalOptions& global) {
   BITELINE_TRY(no_service_holds(options.scan));
   report::Report report;
-  BITELINE_ASSIGN(const std::vector<mend::Version> versions, mend::read_versions(options.scan));
+  BITELINE_ASSIGN(const std::vector<edit::Version> versions, edit::read_versions(options.scan));
   results::MendOrder order{
       .steps = {}, .who = options.who.empty() ? user_name() : options.who, .why = options.why};
   BITELINE_ASSIGN(order.steps, steps_of(options, versions));
-  BITELINE_ASSIGN(const mend::OrRefusal<results::MendedScan> mended,
+  BITELINE_ASSIGN(const edit::OrRefusal<results::MendedScan> mended,
                   results::mend_scan(options.scan, order, report));
   if (!mended) {
     // Nothing was written: the result stands as it was.
@@ -113,9 +113,9 @@ Result<ExitStatus> edit(const LineEditOptions& options, const GlobalOptions& glo
   return tell(report, global, "biteline: " + mended->words);
 }
 
-std::string words_of(const mend::Version& version) {
+std::string words_of(const edit::Version& version) {
   std::string steps;
-  for (const mend::Step& step : version.steps) steps += (steps.empty() ? "" : "; ") + mend::words_of(step);
+  for (const edit::Step& step : version.steps) steps += (steps.empty() ? "" : "; ") + edit::words_of(step);
   return FixedText<1000>::format("%3d  %-20s  %-12s  %s%s%s", version.version,
                                  version.time.empty() ? "-" : version.time.c_str(), version.who.c_str(),
                                  steps.c_str(), version.why.empty() ? "" : ": ", version.why.c_str())
@@ -124,8 +124,8 @@ std::string words_of(const mend::Version& version) {
 
 Result<ExitStatus> show(const LineEditOptions& options, const GlobalOptions& global) {
   report::Report report;
-  BITELINE_ASSIGN(const std::vector<mend::Version> versions, mend::read_versions(options.scan));
-  const Result<cloud::ClosedLine> line = mend::read_version(options.scan, versions.back().version);
+  BITELINE_ASSIGN(const std::vector<edit::Version> versions, edit::read_versions(options.scan));
+  const Result<cloud::ClosedLine> line = edit::read_version(options.scan, versions.back().version);
   std::string words;
   if (line) {
     const std::vector<results::WeakStretch> weak = results::weak_stretches(*line, SE3::Identity());
@@ -150,7 +150,7 @@ Result<ExitStatus> show(const LineEditOptions& options, const GlobalOptions& glo
   }
   report.fields["line_version"] = versions.back().version;
   report.fields["versions"] = nlohmann::ordered_json::array();
-  for (const mend::Version& version : versions) {
+  for (const edit::Version& version : versions) {
     words += "\n" + words_of(version);
     report.fields["versions"].push_back(
         {{"version", version.version}, {"time", version.time}, {"who", version.who}, {"why", version.why}});

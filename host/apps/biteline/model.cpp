@@ -6,7 +6,7 @@
 #include "common/core/fixed_text.hpp"
 #include "host/apps/biteline/command.hpp"
 #include "host/apps/biteline/model_release.hpp"
-#include "host/records/report/json_text.hpp"
+#include "host/report/json_text.hpp"
 #include "host/transfer/library.hpp"
 #include "host/transfer/models.hpp"
 #include "host/transfer/shape_store.hpp"

@@ -8,7 +8,7 @@
 #include "common/wire/endpoint.hpp"
 #include "host/apps/biteline/command.hpp"
 #include "host/records/mounted/mounted_record.hpp"
-#include "host/records/report/file_lock.hpp"
+#include "host/report/file_lock.hpp"
 #include "host/robot/link/ur/arm_look.hpp"
 
 namespace biteline::app {

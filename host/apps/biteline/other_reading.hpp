@@ -8,7 +8,7 @@
 #include "host/apps/biteline/method.hpp"
 #include "host/bite_line/refused.hpp"
 #include "host/cloud/cloud_file.hpp"
-#include "host/records/report/refusal.hpp"
+#include "host/report/refusal.hpp"
 
 namespace biteline::app {
 

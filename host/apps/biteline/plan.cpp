@@ -6,9 +6,9 @@
 #include "host/apps/biteline/cloud_option.hpp"
 #include "host/apps/biteline/command.hpp"
 #include "host/apps/biteline/plan_options.hpp"
-#include "host/records/report/json_text.hpp"
 #include "host/records/results/coverage_result.hpp"
 #include "host/records/results/plan_result.hpp"
+#include "host/report/json_text.hpp"
 #include "host/robot/path/scan_process.hpp"
 
 namespace biteline::app {

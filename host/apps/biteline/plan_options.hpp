@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "common/options/command.hpp"
-#include "host/records/report/report.hpp"
+#include "host/report/report.hpp"
 #include "host/robot/path/plan.hpp"
 
 namespace biteline::app {

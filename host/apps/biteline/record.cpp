@@ -9,7 +9,7 @@
 #include "host/records/recording/export.hpp"
 #include "host/records/recording/import.hpp"
 #include "host/records/recording/refused.hpp"
-#include "host/records/report/progress.hpp"
+#include "host/report/progress.hpp"
 
 namespace biteline::app {
 namespace {

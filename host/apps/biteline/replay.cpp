@@ -16,9 +16,9 @@
 #include "host/intake/scan_cause.hpp"
 #include "host/intake/session_run.hpp"
 #include "host/records/recording/import.hpp"
-#include "host/records/report/progress.hpp"
 #include "host/records/results/line_result.hpp"
 #include "host/records/results/refused_result.hpp"
+#include "host/report/progress.hpp"
 
 namespace biteline::app {
 namespace {

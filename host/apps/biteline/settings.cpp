@@ -14,7 +14,7 @@
 #include "host/apps/biteline/settings_live.hpp"
 #include "host/intake/child_process.hpp"
 #include "host/intake/sensor_process.hpp"
-#include "host/records/report/json_text.hpp"
+#include "host/report/json_text.hpp"
 
 namespace biteline::app {
 namespace {

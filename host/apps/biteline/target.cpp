@@ -5,7 +5,7 @@
 #include "common/options/command.hpp"
 #include "host/apps/biteline/command.hpp"
 #include "host/calibration/rings/target_drawing.hpp"
-#include "host/records/report/report.hpp"
+#include "host/report/report.hpp"
 
 namespace biteline::app {
 namespace {

@@ -7,7 +7,7 @@
 #include "common/system/user_name.hpp"
 #include "host/apps/biteline/command.hpp"
 #include "host/records/force_book/force_book.hpp"
-#include "host/records/report/file_lock.hpp"
+#include "host/report/file_lock.hpp"
 #include "host/study/wear.hpp"
 
 namespace biteline::app {

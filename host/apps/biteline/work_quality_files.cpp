@@ -7,8 +7,8 @@
 #include "common/core/fixed_text.hpp"
 #include "common/csv/table.hpp"
 #include "host/records/batch/json_fields.hpp"
-#include "host/records/report/page.hpp"
-#include "host/records/report/report.hpp"
+#include "host/report/page.hpp"
+#include "host/report/report.hpp"
 
 namespace biteline::app {
 namespace {

@@ -109,11 +109,11 @@ CreaseLooks::CreaseLooks(const Raster& raster) : raster_{raster} {
   read_noise();
 }
 
-void CreaseLooks::read_turns(std::size_t axis, double flank_mm, Large<float>& mean_rad) {
+void CreaseLooks::read_turns(std::size_t axis, double flank_mm, PooledVector<float>& mean_rad) {
   const Beside left = left_of(axis, flank_mm), right = left_of(axis, -flank_mm);
   const auto per_flank = static_cast<float>(1 / flank_mm);
   const int first = std::abs(left.rows), last = raster_.rows - std::abs(left.rows);
-  Large<float> turn_rad(raster_.size());
+  PooledVector<float> turn_rad(raster_.size());
   std::fill(turn_rad.begin(), turn_rad.end(), 0.0F);
   for (int col = 0; col < raster_.cols; ++col) {
     const std::size_t here = raster_.at(0, col);
@@ -211,7 +211,7 @@ CreaseSigns CreaseLooks::alone(int row, int col, std::size_t direction) const {
   if (!turns(here, direction)) return signs;
   const Ways& ways = ways_[direction];
   const float noise = noise_rad_[static_cast<std::size_t>(col)];
-  const Large<float>& fine = fine_rad_[axis];
+  const PooledVector<float>& fine = fine_rad_[axis];
   of(signs, CreaseSign::Turns) = 1;
   of(signs, CreaseSign::FineTurn) = plain(fine[here] - noise, k_crease_rad);
   of(signs, CreaseSign::WideTurn) = plain(wide_rad_[axis][here] - noise, k_wide_crease_rad);
@@ -254,8 +254,8 @@ void CreaseLooks::look_beside(const CurveWeights& weights) {
   constexpr float k_nothing = -4, k_sure = 2;  // log odds: a faint crease counts, too
   weights_ = weights;
   turning_.assign(static_cast<std::size_t>((raster_.cols + k_block_cols - 1) / k_block_cols), {});
-  std::array<Large<float>, k_directions> like;
-  for (Large<float>& values : like) values.resize(raster_.size());
+  std::array<PooledVector<float>, k_directions> like;
+  for (PooledVector<float>& values : like) values.resize(raster_.size());
   tbb::parallel_for(std::size_t{0}, turning_.size(), [&](std::size_t block) {
     const int first = static_cast<int>(block) * k_block_cols;
     for (int col = first; col < std::min(first + k_block_cols, raster_.cols); ++col) {
@@ -281,7 +281,7 @@ void CreaseLooks::look_beside(const CurveWeights& weights) {
       }
     }
   });
-  std::array<Large<float>, k_directions> alike;  // in this direction or one beside it
+  std::array<PooledVector<float>, k_directions> alike;  // in this direction or one beside it
   tbb::parallel_for(std::size_t{0}, k_directions, [&](std::size_t k) {
     alike[k] = like[k];
     for (const std::size_t other : {k + 1, k - 1}) {
@@ -310,7 +310,7 @@ float CreaseLooks::odds(const Turning& at) const {
   return sum;
 }
 
-float CreaseLooks::most_beside(const Large<float>& values, std::size_t cell,
+float CreaseLooks::most_beside(const PooledVector<float>& values, std::size_t cell,
                                const std::vector<Beside>& places) const {
   const int col = static_cast<int>(cell) / raster_.rows, row = static_cast<int>(cell) % raster_.rows;
   float most = 0;

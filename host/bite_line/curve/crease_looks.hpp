@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "host/bite_line/curve/raster.hpp"
-#include "host/bite_line/large.hpp"
+#include "host/bite_line/pooled_vector.hpp"
 
 namespace biteline::bite_line {
 
@@ -97,7 +97,7 @@ class CreaseLooks {
     float away_mm;  ///< to the left
   };
   [[nodiscard]] static Beside left_of(std::size_t direction, double mm);
-  void read_turns(std::size_t axis, double flank_mm, Large<float>& mean_rad);
+  void read_turns(std::size_t axis, double flank_mm, PooledVector<float>& mean_rad);
   void read_noise();
   [[nodiscard]] std::ptrdiff_t cell(int row, int col, const Beside& at) const;
   [[nodiscard]] float o_mm(std::ptrdiff_t cell, const Beside& at) const {
@@ -111,7 +111,7 @@ class CreaseLooks {
   [[nodiscard]] Flank flank(int row, int col, const std::vector<Beside>& places) const;
   [[nodiscard]] float share_seen(int row, int col, const std::vector<Beside>& places) const;
   /// The most of a value at the places beside a cell.
-  [[nodiscard]] float most_beside(const Large<float>& values, std::size_t cell,
+  [[nodiscard]] float most_beside(const PooledVector<float>& values, std::size_t cell,
                                   const std::vector<Beside>& places) const;
 
   /// Places beside a direction, for each of its looks.
@@ -121,7 +121,7 @@ class CreaseLooks {
   [[nodiscard]] static Ways ways_of(std::size_t direction);
 
   const Raster& raster_;
-  std::array<Large<float>, k_axes> fine_rad_, wide_rad_;  ///< concave > 0, means along the axis
+  std::array<PooledVector<float>, k_axes> fine_rad_, wide_rad_;  ///< concave > 0, means along the axis
   std::optional<CreaseSigns> usual_;
   std::vector<float> noise_rad_;  ///< per column
   std::array<Ways, k_directions> ways_;

@@ -6,7 +6,7 @@
 
 #include "host/bite_line/curve/crease_looks.hpp"
 #include "host/bite_line/curve/raster.hpp"
-#include "host/bite_line/large.hpp"
+#include "host/bite_line/pooled_vector.hpp"
 
 namespace biteline::bite_line {
 
@@ -18,7 +18,7 @@ struct CurveCosts {
   int cols{0};
   /// Per cell and direction: minus the logarithm of the probability that the line passes there, against
   /// "surface".
-  Large<float> per_mm;
+  PooledVector<float> per_mm;
 
   /// Of all directions at a cell.
   [[nodiscard]] float least(std::size_t cell) const {

@@ -80,7 +80,7 @@ class DearerCells {
   const Raster& raster_;
   int reach_;
   float per_mm_;
-  Large<float> dearer_;
+  PooledVector<float> dearer_;
 };
 
 std::vector<Vec2> places_of(const Raster& raster, std::span<const CurveState> states) {
@@ -227,7 +227,7 @@ std::optional<CurveRival> way_above(const CurveGround& ground, const CurveConfig
   constexpr float k_barred = 100;
   const std::vector<int> first = rows_above(ground.raster, curve, config.same_mm);
   const CurveCosts& costs = ground.costs;
-  Large<float> barred(ground.raster.size());
+  PooledVector<float> barred(ground.raster.size());
   double sum = 0;  // a way costs hardly less: it passes all columns but those that a long step skips
   for (int col = 0; col < costs.cols; ++col) {
     float least = k_barred;

@@ -153,10 +153,10 @@ CurveSearch::CurveSearch(const CurveCosts& costs, const CurveConfig& config, std
   to_end_ = bounds();
 }
 
-Large<float> CurveSearch::bounds() const {
+PooledVector<float> CurveSearch::bounds() const {
   constexpr float k_beyond = 24;  // the bends of most curves cost no more
   const int rows = costs_.rows;
-  Large<float> least(static_cast<std::size_t>(rows) * static_cast<std::size_t>(unrolled_cols_));
+  PooledVector<float> least(static_cast<std::size_t>(rows) * static_cast<std::size_t>(unrolled_cols_));
   std::fill(least.begin(), least.end(), k_out_of_reach);
   const std::size_t from = costs_.at(0, costs_.cols + pad_cols_), to = costs_.at(0, pad_cols_);
   Open open;

@@ -61,15 +61,15 @@ class CurveSearch {
  private:
   /// What a sweep found, per state of the unrolled side.
   struct Totals {
-    Large<std::uint8_t> reached_cell;  ///< the totals of the others are not set
-    Large<float> total;
-    Large<std::uint8_t> turn;  ///< of the direction from the state before, see curve_search.cpp
-    std::size_t end{0};        ///< where the cheapest way ends
+    PooledVector<std::uint8_t> reached_cell;  ///< the totals of the others are not set
+    PooledVector<float> total;
+    PooledVector<std::uint8_t> turn;  ///< of the direction from the state before, see curve_search.cpp
+    std::size_t end{0};               ///< where the cheapest way ends
     bool reached{false};
   };
   /// Per unrolled cell: what leads from it to the end's column costs at least, bends being free; what costs
   /// much more than the cheapest way round is only said to do so.
-  [[nodiscard]] Large<float> bounds() const;
+  [[nodiscard]] PooledVector<float> bounds() const;
   /// From `rows` to `rows`, once round; what costs more than `limit` is left out.
   [[nodiscard]] Totals swept(std::span<const int> rows, float limit) const;
   template <class Reach>
@@ -97,7 +97,7 @@ class CurveSearch {
   int pad_cols_{0};
   int unrolled_cols_{0};
   std::vector<std::size_t> column_;  ///< of the unrolled side: its first cell
-  Large<float> to_end_;
+  PooledVector<float> to_end_;
   std::array<float, k_directions> half_step_mm_;
   std::array<std::array<float, 5>, k_directions> bend_;  ///< by direction and turn -2 to 2
 };

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "host/bite_line/large.hpp"
+#include "host/bite_line/pooled_vector.hpp"
 #include "host/bite_line/scan_points.hpp"
 #include "host/bite_line/side/side_field.hpp"
 
@@ -95,8 +95,8 @@ class Materials {
 
   SideGrid grid_;
   MaterialConfig config_;
-  int rows_, cols_;    ///< cells
-  Large<Sums> below_;  ///< per column of cells and row, one more than there are: of all rows below
+  int rows_, cols_;           ///< cells
+  PooledVector<Sums> below_;  ///< per column of cells and row, one more than there are: of all rows below
   std::array<double, k_channels> by_slope_{}, noise_{};
 };
 

@@ -8,9 +8,9 @@
 
 #include "host/bite_line/path/creases.hpp"
 #include "host/bite_line/path/layers.hpp"
-#include "host/bite_line/place/levelled.hpp"
 #include "host/bite_line/place/place_along.hpp"
 #include "host/bite_line/place/place_path.hpp"
+#include "host/bite_line/place/straightened.hpp"
 #include "host/bite_line/side/side_outline.hpp"
 #include "host/geometry/bridge.hpp"
 
@@ -146,25 +146,26 @@ class CurvePlacer {
     PlacedCurve result;
     std::vector<Vec2> guide;
     for (const CurveStation& station : found_.stations) guide.push_back(station.place);
-    const OrRefusal<Levelled> levelled =
-        Levelled::along(side_, smooth_guide(guide, side_.outline.length_mm(), k_guide_sigma_mm));
-    if (!levelled) {
-      result.decision.refusal = levelled.error();
+    const OrRefusal<Straightened> straightened =
+        Straightened::along(side_, smooth_guide(guide, side_.outline.length_mm(), k_guide_sigma_mm));
+    if (!straightened) {
+      result.decision.refusal = straightened.error();
       return result;
     }
-    const Side level = side_along(*levelled);
+    const Side level = side_along(*straightened);
     const SideGrid& grid = level.field.grid;
-    const double row = (levelled->height_mm() - grid.z_low_mm) / grid.row_mm - 0.5;
+    const double row = (straightened->height_mm() - grid.z_low_mm) / grid.row_mm - 0.5;
     const std::vector<int> path(static_cast<std::size_t>(grid.cols), static_cast<int>(std::lround(row)));
     const auto stations =
-        on_columns(found_.stations, grid, [&](const Vec2& at) { return levelled->u_mm(at); });
+        on_columns(found_.stations, grid, [&](const Vec2& at) { return straightened->u_mm(at); });
     const Layers layers =
         layers_of(found_, stations, level.field, path,
                   [](const CurveStation&, const CurveAlternative& other) { return other.off_mm; });
     result.decision = judge(layers);
     if (shows(result.decision)) {
       OrRefusal<PlacedLine> placed = place_along(
-          scan_, side_, {.levelled = *levelled, .grid = grid, .path_row = layers.line.row, .layers = layers},
+          scan_, side_,
+          {.straightened = *straightened, .grid = grid, .path_row = layers.line.row, .layers = layers},
           spacing_mm_);
       if (placed) {
         result.placed = std::move(*placed);
@@ -174,14 +175,15 @@ class CurvePlacer {
       }
     }
     for (JudgedPath& path_of : result.decision.paths) {
-      path_of.row = levelled->back(level.field, path_of.row);
-      path_of.lacks = lacks_back(*levelled, grid, path_of, guide.front().x());
+      path_of.row = straightened->back(level.field, path_of.row);
+      path_of.lacks = lacks_back(*straightened, grid, path_of, guide.front().x());
     }
     return result;
   }
 
-  /// What a path of the levelled side lacks, per column of the side: that of the column beside each place.
-  [[nodiscard]] std::vector<std::uint8_t> lacks_back(const Levelled& levelled, const SideGrid& level,
+  /// What a path of the straightened side lacks, per column of the side: that of the column beside each
+  /// place.
+  [[nodiscard]] std::vector<std::uint8_t> lacks_back(const Straightened& straightened, const SideGrid& level,
                                                      const JudgedPath& path, double begin_mm) const {
     if (path.lacks.empty()) return {};
     const SideGrid& grid = side_.field.grid;
@@ -189,7 +191,7 @@ class CurvePlacer {
     for (std::size_t c = 0; c < path.row.size(); ++c) {
       double s_mm = (static_cast<double>(c) + 0.5) * grid.col_mm;
       if (s_mm < begin_mm) s_mm += side_.outline.length_mm();
-      const double col = levelled.u_mm({s_mm, grid.z_mm(path.row[c])}) / level.col_mm;
+      const double col = straightened.u_mm({s_mm, grid.z_mm(path.row[c])}) / level.col_mm;
       lacks.push_back(path.lacks[std::min(static_cast<std::size_t>(col), path.lacks.size() - 1)]);
     }
     return lacks;

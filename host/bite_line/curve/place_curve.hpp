@@ -20,8 +20,8 @@ struct PlacedCurve {
   PlacedLine placed;  ///< in shoe; empty where there is no line to show
 };
 
-/// Sections are upright by the line's definition.  Only where the curve climbs steeply the side is levelled
-/// along it first.
+/// Sections are upright by the line's definition.  Only where the curve climbs steeply the side is
+/// straightened along it first.
 [[nodiscard]] PlacedCurve place_curve(const ScanPoints& scan, const Side& side, const CurveOnSide& found,
                                       const std::optional<SeamStep>& seam, const Config& config);
 

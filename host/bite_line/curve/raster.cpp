@@ -172,7 +172,7 @@ Raster Raster::of(std::span<const OutlinePlace> places, double turn_mm, double z
   raster.rows = std::max(1, static_cast<int>(height_mm / k_cell_mm));
   raster.cols = std::max(1, static_cast<int>(std::lround(turn_mm / k_cell_mm)));
   raster.col_mm = turn_mm / raster.cols;
-  for (Large<float>* values : {&raster.o_mm, &raster.along_ratio, &raster.up_ratio})
+  for (PooledVector<float>* values : {&raster.o_mm, &raster.along_ratio, &raster.up_ratio})
     values->resize(raster.size());
   raster.seen.resize(raster.size());
   const double few_mm =

@@ -10,7 +10,7 @@
 #include <span>
 
 #include "common/geometry/se3.hpp"
-#include "host/bite_line/large.hpp"
+#include "host/bite_line/pooled_vector.hpp"
 #include "host/bite_line/shoe/outline_lookup.hpp"
 
 namespace biteline::bite_line {
@@ -40,9 +40,9 @@ struct Raster {
   int cols{0};
   double z_low_mm{0};
   double col_mm{k_cell_mm};  ///< so that whole ones go round
-  Large<float> o_mm;
-  Large<float> along_ratio, up_ratio;  ///< the plane's slopes: mm outwards for each mm
-  Large<std::uint8_t> seen;
+  PooledVector<float> o_mm;
+  PooledVector<float> along_ratio, up_ratio;  ///< the plane's slopes: mm outwards for each mm
+  PooledVector<std::uint8_t> seen;
 
   /// `turn_mm`: the outline's length; what has a negative s is left out.  `points_per_mm2`: where points are
   /// few, planes are wider, and where profiles are far apart, longer.

@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "common/core/contracts.hpp"
-#include "host/bite_line/lanes.hpp"
-#include "host/bite_line/large.hpp"
+#include "host/bite_line/pooled_vector.hpp"
+#include "host/bite_line/simd_kernels.hpp"
 
 namespace biteline::bite_line {
 
@@ -17,8 +17,8 @@ namespace {
 constexpr float k_blocked = 1e30F;
 
 struct Sweep {
-  std::vector<float> total;  ///< per row after the last column
-  Large<std::int8_t> step;   ///< per column and row: row of the previous column minus this row
+  std::vector<float> total;        ///< per row after the last column
+  PooledVector<std::int8_t> step;  ///< per column and row: row of the previous column minus this row
 };
 
 /// Dynamic programming over `count` columns from column 0 (taken modulo cols); `start` gives the cost of each

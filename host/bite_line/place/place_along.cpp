@@ -27,15 +27,16 @@ std::vector<Vec2> places_of(const SideGrid& grid, std::span<const double> path_r
 }
 
 /// (u, z) of the sections' own places: the running mean along the line cuts corners, too.
-std::vector<Vec2> places_of(const Levelled& levelled, const PlacedLine& placed) {
+std::vector<Vec2> places_of(const Straightened& straightened, const PlacedLine& placed) {
   constexpr double k_sigma_mm = 0.8;
-  const double turn_mm = levelled.outline().length_mm();
+  const double turn_mm = straightened.outline().length_mm();
   std::vector<double> z_mm;
   for (const PlacedStation& station : placed.points) z_mm.push_back(station.own_z_mm);
   z_mm = geometry::smooth_closed(z_mm, k_sigma_mm * static_cast<double>(z_mm.size()) / placed.length_mm);
   std::vector<Vec2> places;
   for (std::size_t i = 0; i < z_mm.size(); ++i) {
-    auto u_mm = static_cast<double>(levelled.outline().locate(placed.points[i].position.cast<float>()).s_mm);
+    auto u_mm =
+        static_cast<double>(straightened.outline().locate(placed.points[i].position.cast<float>()).s_mm);
     // The first one lies beside the outline's begin, and may lie just before it.
     u_mm -= turn_mm * std::round((u_mm - (i > 0 ? places.back().x() : 0.0)) / turn_mm);
     places.emplace_back(u_mm, z_mm[i]);
@@ -89,36 +90,38 @@ LineGuide carried_across(std::vector<Vec2> places, const PlacedLine& placed, dou
   return guide;
 }
 
-/// The values of the columns beside which another levelled side's columns lie.
-std::vector<float> on_columns(std::span<const float> values, const FoundLevel& of, const Levelled& to,
+/// The values of the columns beside which another straightened side's columns lie.
+std::vector<float> on_columns(std::span<const float> values, const FoundLevel& of, const Straightened& to,
                               const SideGrid& to_grid) {
   std::vector<float> on;
   for (int c = 0; c < to_grid.cols; ++c) {
-    const double u_mm = of.levelled.u_mm(to.place((c + 0.5) * to_grid.col_mm));
+    const double u_mm = of.straightened.u_mm(to.place((c + 0.5) * to_grid.col_mm));
     on.push_back(values[std::min(static_cast<std::size_t>(u_mm / of.grid.col_mm), values.size() - 1)]);
   }
   return on;
 }
 
-/// On the levelled side, whose guide is the path.
-PlacedLine place_on(const ScanPoints& scan, const Levelled& levelled, const FoundLevel& found,
+/// On the straightened side, whose guide is the path.
+PlacedLine place_on(const ScanPoints& scan, const Straightened& straightened, const FoundLevel& found,
                     double spacing_mm) {
   // A steeper climb would leave of the definition's Gaussian less than a few points are apart.
   constexpr double k_least_ratio = 0.5;
-  const Side level = side_along(levelled);
+  const Side level = side_along(straightened);
   const SideGrid& grid = level.field.grid;
   const std::vector<double> row(static_cast<std::size_t>(grid.cols),
-                                (levelled.height_mm() - grid.z_low_mm) / grid.row_mm - 0.5);
-  const auto here = [&](std::span<const float> values) { return on_columns(values, found, levelled, grid); };
+                                (straightened.height_mm() - grid.z_low_mm) / grid.row_mm - 0.5);
+  const auto here = [&](std::span<const float> values) {
+    return on_columns(values, found, straightened, grid);
+  };
   const std::vector<float> hold = here(found.layers.hold);
   const std::vector<float> other_mm = here(found.layers.other_mm);
   const std::vector<float> sharp = here(found.layers.sharp);
   std::vector<float> upright_ratio;
   for (int c = 0; c < grid.cols; ++c) {
     upright_ratio.push_back(
-        static_cast<float>(std::max(levelled.upright_ratio((c + 0.5) * grid.col_mm), k_least_ratio)));
+        static_cast<float>(std::max(straightened.upright_ratio((c + 0.5) * grid.col_mm), k_least_ratio)));
   }
-  const Large<Eigen::Vector3f> points = levelled.points(scan.points);
+  const PooledVector<Eigen::Vector3f> points = straightened.points(scan.points);
   ScanPoints on_level = scan;
   on_level.points = points;
   return place_path(on_level, level, row,
@@ -126,19 +129,20 @@ PlacedLine place_on(const ScanPoints& scan, const Levelled& levelled, const Foun
                     spacing_mm);
 }
 
-/// What the definition's own line may be off a levelled one.  Its running mean cuts bends: by half the bend
-/// times the mean's variance, of which nothing is left here; that is taken for two standard deviations.  Its
-/// upright section sees the flanks of a crease that climbs at another angle: 0.05 mm where made pumps climb
-/// by 40 degrees.  What was not seen follows the guide: `found`, whose corners its own smoothing cuts, too,
-/// or `line` where that was carried across.
-void doubt_place(const Levelled& levelled, const Levelled& found, const LineGuide& line, PlacedLine& placed) {
+/// What the definition's own line may be off a straightened one.  Its running mean cuts bends: by half the
+/// bend times the mean's variance, of which nothing is left here; that is taken for two standard deviations.
+/// Its upright section sees the flanks of a crease that climbs at another angle: 0.05 mm where made pumps
+/// climb by 40 degrees.  What was not seen follows the guide: `found`, whose corners its own smoothing cuts,
+/// too, or `line` where that was carried across.
+void doubt_place(const Straightened& straightened, const Straightened& found, const LineGuide& line,
+                 PlacedLine& placed) {
   constexpr double k_mean_mm = PlacementConfig{}.mean_mm;
   constexpr double k_mean_mm2 = k_mean_mm * k_mean_mm / 12;
   constexpr double k_square_mm = 0.04;  // standard deviation, of an upright line
   std::vector<double> u_mm, bend2_per_mm2;
   for (const PlacedStation& station : placed.points) {
-    u_mm.push_back(static_cast<double>(levelled.outline().locate(station.position.cast<float>()).s_mm));
-    bend2_per_mm2.push_back(std::pow(levelled.bend_per_mm(u_mm.back()), 2));
+    u_mm.push_back(static_cast<double>(straightened.outline().locate(station.position.cast<float>()).s_mm));
+    bend2_per_mm2.push_back(std::pow(straightened.bend_per_mm(u_mm.back()), 2));
   }
   // What is read beside a corner takes the corner in: there the bend's RMS counts twice.
   const std::vector<double> about =
@@ -147,11 +151,11 @@ void doubt_place(const Levelled& levelled, const Levelled& found, const LineGuid
     PlacedStation& station = placed.points[i];
     const double bend_per_mm = std::sqrt(std::max(bend2_per_mm2[i], 4 * about[i]));
     const double mean_cuts_mm = bend_per_mm * k_mean_mm2 / 2;
-    const double ratio = levelled.upright_ratio(u_mm[i]);
+    const double ratio = straightened.upright_ratio(u_mm[i]);
     const double square_mm = k_square_mm * std::sqrt(1 - ratio * ratio);
     double guide_off_mm = 0;
     if (station.to_visible_mm > 0) {
-      const Vec2 place = levelled.place(u_mm[i]);
+      const Vec2 place = straightened.place(u_mm[i]);
       const double found_bend_per_mm = std::abs(found.bend_per_mm(found.u_mm(place)));
       // The line's guide has a place for each of its stations, and begins where the line does.
       guide_off_mm = line.carried_off_mm[i * line.places.size() / u_mm.size()].value_or(
@@ -162,7 +166,7 @@ void doubt_place(const Levelled& levelled, const Levelled& found, const LineGuid
   }
 }
 
-/// A levelled line runs level, and so bridges that are tried on it are never off.  On the shoe they are.
+/// A straightened line runs level, and so bridges that are tried on it are never off.  On the shoe they are.
 /// Where it climbs upright none is tried: one corner would speak for all gaps.
 void try_bridges(PlacedLine& placed) {
   constexpr double k_upright = 0.5;  // sine of 30 degrees
@@ -203,10 +207,10 @@ void doubt_guide_in_gaps(double guide_z_mm, PlacedLine& placed) {
   }
 }
 
-Side side_along(const Levelled& levelled) {
-  Shoe shoe = levelled.shoe();
-  SideField field = SideField::build(shoe, levelled.outline(), {});
-  return {std::move(shoe), levelled.outline(), std::move(field)};
+Side side_along(const Straightened& straightened) {
+  Shoe shoe = straightened.shoe();
+  SideField field = SideField::build(shoe, straightened.outline(), {});
+  return {std::move(shoe), straightened.outline(), std::move(field)};
 }
 
 OrRefusal<PlacedLine> place_along(const ScanPoints& scan, const Side& side, const FoundLevel& found,
@@ -214,16 +218,17 @@ OrRefusal<PlacedLine> place_along(const ScanPoints& scan, const Side& side, cons
   constexpr double k_spaced_mm = 0.5;
   const double turn_mm = side.outline.length_mm();
   const auto along = [&](std::span<const Vec2> places) {
-    return Levelled::along(side, smooth_guide(places, turn_mm, k_spaced_mm), k_placed_beside_mm);
+    return Straightened::along(side, smooth_guide(places, turn_mm, k_spaced_mm), k_placed_beside_mm);
   };
-  const OrRefusal<Levelled> first = along(found.levelled.guide(places_of(found.grid, found.path_row)));
+  const OrRefusal<Straightened> first =
+      along(found.straightened.guide(places_of(found.grid, found.path_row)));
   if (!first) return tl::unexpected{first.error()};
   const PlacedLine nearly = place_on(scan, *first, found, spacing_mm);
   const LineGuide line = carried_across(first->guide(places_of(*first, nearly)), nearly, turn_mm);
-  const OrRefusal<Levelled> second = along(line.places);
+  const OrRefusal<Straightened> second = along(line.places);
   if (!second) return tl::unexpected{second.error()};
   PlacedLine placed = place_on(scan, *second, found, spacing_mm);
-  doubt_place(*second, found.levelled, line, placed);
+  doubt_place(*second, found.straightened, line, placed);
   doubt_guide_in_gaps(second->height_mm(), placed);
   placed = second->back(std::move(placed));
   try_bridges(placed);

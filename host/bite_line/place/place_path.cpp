@@ -12,7 +12,7 @@ namespace biteline::bite_line {
 
 PlacedLine place_path(const ScanPoints& scan, const Side& side, std::span<const double> path_row,
                       const AlongPath& along, double spacing_mm) {
-  Large<Eigen::Vector3f> near;
+  PooledVector<Eigen::Vector3f> near;
   std::optional<PathCurve> path;
   tbb::parallel_invoke([&] { near = points_behind(scan, side.shoe, near_path(side.field, path_row)); },
                        [&] { path = curve_of(side.field, side.outline, path_row, spacing_mm); });
@@ -26,7 +26,7 @@ PlacedLine place_path(const ScanPoints& scan, const Side& side, std::span<const 
                                   .sharp = along.sharp,
                                   .upright_ratio = along.upright_ratio},
                                  {});
-  // A levelled line shows no climb: place_along() has its own doubts of gaps.
+  // A straightened line shows no climb: place_along() has its own doubts of gaps.
   if (along.upright_ratio.empty()) {
     std::vector<Vec2> places;
     const double turn_mm = path->outline.length_mm();

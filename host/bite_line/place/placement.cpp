@@ -169,7 +169,7 @@ double gap_doubt(double to_known_mm, double length_mm, double turn_rad) {
   return to_known_mm / 60.0 * (0.8 + turn_rad) * std::pow(length_mm / 20.0, 1.5);
 }
 
-Large<std::uint32_t> near_path(const SideField& field, std::span<const double> path_row) {
+PooledVector<std::uint32_t> near_path(const SideField& field, std::span<const double> path_row) {
   // The sections' own reach and the millimetre that the smoothed path may lie off its columns.
   const auto below_mm = static_cast<float>(SectionConfig{}.below_mm + 1.0);
   const auto above_mm = static_cast<float>(SectionConfig{}.above_mm + 1.0);

@@ -8,10 +8,10 @@
 
 #include <Eigen/Core>
 
-#include "host/bite_line/large.hpp"
 #include "host/bite_line/place/normals.hpp"
 #include "host/bite_line/place/path_curve.hpp"
 #include "host/bite_line/place/place_noise.hpp"
+#include "host/bite_line/pooled_vector.hpp"
 #include "host/bite_line/shoe/plan.hpp"
 #include "host/bite_line/side/side_field.hpp"
 
@@ -73,7 +73,7 @@ struct PlacedLine {
 
 /// Points of the outermost layer within reach of the path's height (a row of the grid per column): what
 /// place_line() works on.
-[[nodiscard]] Large<std::uint32_t> near_path(const SideField& field, std::span<const double> path_row);
+[[nodiscard]] PooledVector<std::uint32_t> near_path(const SideField& field, std::span<const double> path_row);
 
 /// `near` in shoe: all raw points round the path, `points_per_mm2` of the surface.
 ///

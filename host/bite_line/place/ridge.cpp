@@ -9,8 +9,8 @@
 #include <tbb/parallel_for.h>
 
 #include "common/core/contracts.hpp"
-#include "host/bite_line/lanes.hpp"
 #include "host/bite_line/path/closed_path.hpp"
+#include "host/bite_line/simd_kernels.hpp"
 #include "host/geometry/robust.hpp"
 
 namespace biteline::bite_line {
@@ -108,11 +108,11 @@ Other other_hollow(const Sections& sections, std::span<const float> k, int stati
 
 }  // namespace
 
-Large<float> section_curvature(const Sections& sections, double sigma_mm,
-                               std::span<const double> upright_ratio) {
+PooledVector<float> section_curvature(const Sections& sections, double sigma_mm,
+                                      std::span<const double> upright_ratio) {
   BITELINE_EXPECTS(upright_ratio.empty() ||
                    upright_ratio.size() == static_cast<std::size_t>(sections.stations));
-  Large<float> k(sections.o_mm.size());
+  PooledVector<float> k(sections.o_mm.size());
   const auto rows = static_cast<std::size_t>(sections.rows);
   tbb::parallel_for(tbb::blocked_range<int>{0, sections.stations, 16}, [&](const auto& range) {
     Smoothed smoothed;
@@ -156,7 +156,7 @@ Ridge follow_ridge(const Sections& sections, std::span<const float> k, double se
   // Each station counts by its own peak, so that a filled stretch's weak fillet is followed too; where
   // nothing but noise is left, continuity decides.
   const double floor = std::max({k_least_curvature_per_mm, 0.02 * usual, 2 * noise});
-  Large<float> cost(static_cast<std::size_t>(rows) * stations);
+  PooledVector<float> cost(static_cast<std::size_t>(rows) * stations);
   for_stations([&](std::size_t i) {
     const auto per_peak = static_cast<float>(1 / std::max(peaks[i], floor));
     const float* line = k.data() + sections.at(static_cast<int>(i), low);

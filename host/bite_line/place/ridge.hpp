@@ -16,8 +16,8 @@ namespace biteline::bite_line {
 ///
 /// The definition's section is upright.  `upright_ratio`: height for each millimetre across the line, per
 /// station, where the sections are square to a line that climbs; empty: 1.
-[[nodiscard]] Large<float> section_curvature(const Sections& sections, double sigma_mm,
-                                             std::span<const double> upright_ratio = {});
+[[nodiscard]] PooledVector<float> section_curvature(const Sections& sections, double sigma_mm,
+                                                    std::span<const double> upright_ratio = {});
 
 /// Flatter than a radius of 12 mm is the shape of the shoe, not a crease.
 inline constexpr double k_least_curvature_per_mm = 0.08;

@@ -10,7 +10,7 @@
 #include <tbb/parallel_for.h>
 
 #include "host/bite_line/buckets.hpp"
-#include "host/bite_line/lanes.hpp"
+#include "host/bite_line/simd_kernels.hpp"
 #include "host/geometry/robust.hpp"
 
 namespace biteline::bite_line {
@@ -41,7 +41,7 @@ std::vector<PathGrid::Step> steps_of(std::span<const double> path_z_mm) {
 }
 
 /// Per sum, what goes into it.
-using Taps = std::array<std::vector<Tap>, k_sums>;
+using Taps = std::array<std::vector<WeightedRow>, k_sums>;
 
 /// Weighted sums over the stations around one, s counted from that station; `reach` empty rows at both ends
 /// of each sum.
@@ -50,7 +50,7 @@ void sum_along(std::span<const float> bins, std::span<const float> weights, cons
   const auto rows = static_cast<std::size_t>(sections.rows);
   const std::size_t apart = rows_apart(sections);
   const auto half = static_cast<int>(weights.size() / 2);
-  for (std::vector<Tap>& of_sum : taps) of_sum.clear();
+  for (std::vector<WeightedRow>& of_sum : taps) of_sum.clear();
   for (int j = -half; j <= half; ++j) {
     const int other = ((station + j) % sections.stations + sections.stations) % sections.stations;
     const float* block = bins.data() + static_cast<std::size_t>(other) * k_sums * apart;
@@ -66,7 +66,7 @@ void sum_along(std::span<const float> bins, std::span<const float> weights, cons
     add(k_so, k_o, g * shift);
   }
   for (std::size_t sum = 0; sum < k_sums; ++sum)
-    sum_taps({sums.data() + sum * (rows + 2 * reach) + reach, rows}, taps[sum]);
+    sum_rows({sums.data() + sum * (rows + 2 * reach) + reach, rows}, taps[sum]);
 }
 
 /// Straight line in s through the weighted points of each row, taken at the station; where all lie on one
@@ -144,8 +144,8 @@ SectionPoints::SectionPoints(const SectionInput& input, const SectionConfig& con
                   [&](std::size_t i) { return landings_[i].station; }},
       bins_{bins_of_landings()} {}
 
-Large<Landing> SectionPoints::landings_of(const SectionInput& input) const {
-  Large<Landing> landings(input.points.size());
+PooledVector<Landing> SectionPoints::landings_of(const SectionInput& input) const {
+  PooledVector<Landing> landings(input.points.size());
   const std::vector<PathGrid::Step> steps = steps_of(input.path_z_mm);
   const PathGrid grid{.steps = steps,
                       .rows = static_cast<float>(frame_.rows),
@@ -161,10 +161,10 @@ Large<Landing> SectionPoints::landings_of(const SectionInput& input) const {
   return landings;
 }
 
-Large<float> SectionPoints::bins_of_landings() const {
+PooledVector<float> SectionPoints::bins_of_landings() const {
   const std::size_t stations = at_station_.size();
   const std::size_t rows = rows_apart(frame_);
-  Large<float> bins(stations * k_sums * rows);
+  PooledVector<float> bins(stations * k_sums * rows);
   tbb::parallel_for(std::size_t{0}, stations, [&](std::size_t station) {
     const std::span block{bins.data() + station * k_sums * rows, k_sums * rows};
     std::fill(block.begin(), block.end(), 0.0F);

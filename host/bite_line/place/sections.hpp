@@ -11,9 +11,9 @@
 #include <Eigen/Core>
 
 #include "host/bite_line/buckets.hpp"
-#include "host/bite_line/lanes.hpp"
-#include "host/bite_line/large.hpp"
+#include "host/bite_line/pooled_vector.hpp"
 #include "host/bite_line/shoe/plan.hpp"
+#include "host/bite_line/simd_kernels.hpp"
 
 namespace biteline::bite_line {
 
@@ -35,9 +35,9 @@ struct Sections {
   double row_mm{0};
   double station_mm{0};
   std::vector<double> path_z_mm;  ///< per station, in shoe
-  Large<float> o_mm;              ///< stations x rows; gaps up to 1.5 mm are filled by straight lines
+  PooledVector<float> o_mm;       ///< stations x rows; gaps up to 1.5 mm are filled by straight lines
   enum Known : std::uint8_t { k_nothing = 0, k_seen = 1, k_filled = 2 };
-  Large<std::uint8_t> known;
+  PooledVector<std::uint8_t> known;
   std::vector<std::uint8_t> ended;  ///< per station: 1 where something stands in front of the shoe
 
   [[nodiscard]] std::size_t at(int station, int row) const {
@@ -73,8 +73,8 @@ class SectionPoints {
   [[nodiscard]] Patch patch(int station, int low_row, int end_row) const;
 
  private:
-  [[nodiscard]] Large<Landing> landings_of(const SectionInput& input) const;
-  [[nodiscard]] Large<float> bins_of_landings() const;
+  [[nodiscard]] PooledVector<Landing> landings_of(const SectionInput& input) const;
+  [[nodiscard]] PooledVector<float> bins_of_landings() const;
   [[nodiscard]] bool any_point(int station, int low_row, int end_row) const;
   /// Whether points lie on the way from `o_mm` out to `far_mm`, seen in the stations `reach` to both sides.
   [[nodiscard]] bool seen_between(int station, int reach, int low_row, int end_row, float o_mm,
@@ -84,9 +84,9 @@ class SectionPoints {
 
   SectionConfig config_;
   Sections frame_;  ///< without values
-  Large<Landing> landings_;
+  PooledVector<Landing> landings_;
   Buckets at_station_;
-  Large<float> bins_;  ///< per station, one sum after the other, each over all rows
+  PooledVector<float> bins_;  ///< per station, one sum after the other, each over all rows
 };
 
 }  // namespace biteline::bite_line

@@ -131,8 +131,8 @@ Cells::Cells(std::span<const Eigen::Vector3f> points, const Config& config) : ce
     means_[slot] = origin_ + means_[slot] / static_cast<float>(counts_[slot]);
 }
 
-Large<std::uint8_t> Cells::by_cell(std::span<const std::uint8_t> by_slot) const {
-  Large<std::uint8_t> values(slot_.size(), 0);
+PooledVector<std::uint8_t> Cells::by_cell(std::span<const std::uint8_t> by_slot) const {
+  PooledVector<std::uint8_t> values(slot_.size(), 0);
   for (std::size_t slot = 0; slot < occupied_.size(); ++slot)
     values[static_cast<std::size_t>(occupied_[slot])] = by_slot[slot];
   return values;

@@ -9,7 +9,7 @@
 
 #include <Eigen/Core>
 
-#include "host/bite_line/large.hpp"
+#include "host/bite_line/pooled_vector.hpp"
 
 namespace biteline::bite_line {
 
@@ -36,7 +36,7 @@ class Cells {
   [[nodiscard]] std::span<const Eigen::Vector3f> means() const { return means_; }
   [[nodiscard]] float cell_mm() const { return cell_mm_; }
   /// What is given for the occupied cells, for each cell; 0 for empty ones.
-  [[nodiscard]] Large<std::uint8_t> by_cell(std::span<const std::uint8_t> by_slot) const;
+  [[nodiscard]] PooledVector<std::uint8_t> by_cell(std::span<const std::uint8_t> by_slot) const;
 
   /// Labels the occupied cells that `keep` marks by 26-connected component, from 0; -1 for all others.
   /// Returns the number of components.
@@ -53,9 +53,9 @@ class Cells {
   float inverse_mm_{0};
   Eigen::Vector3f origin_{Eigen::Vector3f::Zero()};
   Eigen::Vector3i size_{Eigen::Vector3i::Zero()};
-  Large<std::int32_t> cell_of_;  ///< per point
+  PooledVector<std::int32_t> cell_of_;  ///< per point
   std::vector<std::int32_t> occupied_;
-  Large<std::int32_t> slot_;           ///< cell -> index into occupied_, -1 when empty
+  PooledVector<std::int32_t> slot_;    ///< cell -> index into occupied_, -1 when empty
   std::vector<std::uint32_t> counts_;  ///< per occupied cell
   std::vector<Eigen::Vector3f> means_;
 };

@@ -338,7 +338,7 @@ OrRefusal<Shoe> find_shoe(std::span<const Eigen::Vector3f> points_base) {
     return refuse(Refused::NothingConnected, "not a shoe: nothing connected of a shoe's size");
 
   PlanBox box;
-  Large<std::uint8_t> part_of_cell;
+  PooledVector<std::uint8_t> part_of_cell;
   const auto part = [&](std::size_t i) {
     const std::int32_t cell = cells.cell_of(i);
     return cell < 0 ? k_none : static_cast<OfShoe>(part_of_cell[static_cast<std::size_t>(cell)]);

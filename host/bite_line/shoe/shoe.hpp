@@ -10,7 +10,7 @@
 #include <Eigen/Geometry>
 
 #include "common/geometry/se3.hpp"
-#include "host/bite_line/large.hpp"
+#include "host/bite_line/pooled_vector.hpp"
 #include "host/bite_line/refused.hpp"
 
 namespace biteline::bite_line {
@@ -18,10 +18,10 @@ namespace biteline::bite_line {
 struct Shoe {
   SE3 T_base_shoe{
       SE3::Identity()};  ///< x heel to toe, y left, z up; origin at the heel, z = 0 at the lowest point seen
-  Large<Eigen::Vector3f> points;  ///< in shoe, in the order of the cloud
-  Large<std::uint32_t> index;     ///< of each point, in the cloud
-  Large<std::uint8_t> alone;      ///< per point: hardly another one near, a stray or an edge
-  Eigen::AlignedBox3f box;        ///< of these points
+  PooledVector<Eigen::Vector3f> points;  ///< in shoe, in the order of the cloud
+  PooledVector<std::uint32_t> index;     ///< of each point, in the cloud
+  PooledVector<std::uint8_t> alone;      ///< per point: hardly another one near, a stray or an edge
+  Eigen::AlignedBox3f box;               ///< of these points
   double length_mm{0};
   double width_mm{0};
 };

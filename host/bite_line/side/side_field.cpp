@@ -9,8 +9,8 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
-#include "host/bite_line/lanes.hpp"
 #include "host/bite_line/side/outer_layer.hpp"
+#include "host/bite_line/simd_kernels.hpp"
 
 namespace biteline::bite_line {
 
@@ -18,8 +18,8 @@ namespace {
 
 constexpr float k_outer_mm = 16.0F;  // and how far outside
 
-Large<OutlinePlace> locate_all(std::span<const Eigen::Vector3f> points, const Outline& outline) {
-  Large<OutlinePlace> places(points.size());
+PooledVector<OutlinePlace> locate_all(std::span<const Eigen::Vector3f> points, const Outline& outline) {
+  PooledVector<OutlinePlace> places(points.size());
   tbb::parallel_for(tbb::blocked_range<std::size_t>{0, points.size(), 8192}, [&](const auto& range) {
     const std::span located{places.data() + range.begin(), range.size()};
     outline.locate(points.subspan(range.begin(), range.size()), located);
@@ -35,7 +35,7 @@ Large<OutlinePlace> locate_all(std::span<const Eigen::Vector3f> points, const Ou
 struct Sums {
   enum Sum : std::size_t { k_w, k_z, k_o, k_zo, k_sums };
   std::size_t rows, margin;
-  Large<float> values;
+  PooledVector<float> values;
   std::size_t points{0};
 
   [[nodiscard]] std::size_t height() const { return rows + 2 * margin; }
@@ -113,7 +113,7 @@ void fit_columns(Sums& sums, std::span<const float> along, std::span<const float
   tbb::parallel_for(tbb::blocked_range<std::size_t>{0, cols, 8}, [&](const auto& range) {
     std::vector<float> blurred(Sums::k_sums * sums.height());
     std::vector<float> angle;
-    std::vector<Tap> taps(along.size());
+    std::vector<WeightedRow> taps(along.size());
     std::vector<RowOfSums> rows;
     const std::size_t reach = up.size() / 2;
     for (std::size_t j = 0; j < up.size(); ++j) {
@@ -126,7 +126,7 @@ void fit_columns(Sums& sums, std::span<const float> along, std::span<const float
         const float* other = sums.of((col + j + along.size() * cols - along.size() / 2) % cols);
         taps[j] = {other, along[j]};
       }
-      sum_taps(blurred, taps);
+      sum_rows(blurred, taps);
       const std::size_t first = grid.at(0, static_cast<int>(col));
       const std::span o{field.o_mm.data() + first, sums.rows};
       std::uint8_t* seen = field.seen.data() + first;
@@ -158,7 +158,7 @@ SideField SideField::build(const Shoe& shoe, const Outline& outline, const Confi
   const std::vector<float> along = gaussian(config.sigma_s_mm / grid.col_mm, 3);
   const std::vector<float> up = gaussian(config.sigma_z_mm / grid.row_mm, 3);
   Sums sums = collect(field.places, columns, grid, up.size() / 2);
-  for (Large<float>* values : {&field.o_mm, &field.turn_rad, &field.wide_turn_rad})
+  for (PooledVector<float>* values : {&field.o_mm, &field.turn_rad, &field.wide_turn_rad})
     values->resize(grid.size());
   field.seen.resize(grid.size());
   fit_columns(sums, along, up, config, field);

@@ -8,7 +8,7 @@
 
 #include <Eigen/Core>
 
-#include "host/bite_line/large.hpp"
+#include "host/bite_line/pooled_vector.hpp"
 #include "host/bite_line/shoe/plan.hpp"
 #include "host/bite_line/shoe/shoe.hpp"
 #include "host/bite_line/side/outer_layer.hpp"
@@ -46,12 +46,12 @@ struct SideField {
   static constexpr double k_turn_reach_mm = 0.75;
 
   SideGrid grid;
-  Large<float> o_mm;           ///< smoothed
-  Large<float> turn_rad;       ///< turn of the surface within twice that height, concave > 0
-  Large<float> wide_turn_rad;  ///< the same within 3 mm
-  Large<std::uint8_t> seen;    ///< 1 where points support the place on all sides
-  Large<OutlinePlace> places;  ///< of every point; s also negative behind the outermost layer
-  double points_per_mm2{0};    ///< of the outermost layer, where it was seen
+  PooledVector<float> o_mm;           ///< smoothed
+  PooledVector<float> turn_rad;       ///< turn of the surface within twice that height, concave > 0
+  PooledVector<float> wide_turn_rad;  ///< the same within 3 mm
+  PooledVector<std::uint8_t> seen;    ///< 1 where points support the place on all sides
+  PooledVector<OutlinePlace> places;  ///< of every point; s also negative behind the outermost layer
+  double points_per_mm2{0};           ///< of the outermost layer, where it was seen
 
   static SideField build(const Shoe& shoe, const Outline& outline, const Config& config);
 };

@@ -2,7 +2,7 @@
 #pragma once
 /// \file Why a scan's points are not believed.
 
-#include "host/records/report/refusal.hpp"
+#include "host/report/refusal.hpp"
 
 namespace biteline::consistency {
 

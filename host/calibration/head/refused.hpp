@@ -3,7 +3,7 @@
 /// \file Why a head gets no calibration: which part, and what kind of trouble.
 
 #include "common/core/error.hpp"
-#include "host/records/report/refusal.hpp"
+#include "host/report/refusal.hpp"
 
 namespace biteline::calibration {
 

@@ -4,7 +4,7 @@
 #include <charconv>
 
 #include "common/system/file.hpp"
-#include "host/records/report/report.hpp"
+#include "host/report/report.hpp"
 
 namespace biteline::fleet::sparkplug {
 namespace {

@@ -2,7 +2,7 @@
 #pragma once
 /// \file Why a head is not accepted.
 
-#include "host/records/report/refusal.hpp"
+#include "host/report/refusal.hpp"
 
 namespace biteline::capture {
 

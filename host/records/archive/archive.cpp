@@ -18,7 +18,7 @@
 #include "common/system/file.hpp"
 #include "common/wire/checksum.hpp"
 #include "host/records/archive/tar_block.hpp"
-#include "host/records/report/report.hpp"
+#include "host/report/report.hpp"
 
 namespace biteline::archive {
 namespace {

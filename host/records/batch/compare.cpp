@@ -8,8 +8,8 @@
 
 #include "common/core/fixed_text.hpp"
 #include "host/records/batch/line_drawing.hpp"
-#include "host/records/report/page.hpp"
-#include "host/records/report/report.hpp"
+#include "host/report/page.hpp"
+#include "host/report/report.hpp"
 
 namespace biteline::batch {
 namespace {

@@ -12,7 +12,7 @@
 
 #include "common/core/result.hpp"
 #include "host/records/batch/result_set.hpp"
-#include "host/records/report/refusal.hpp"
+#include "host/report/refusal.hpp"
 
 namespace biteline::batch {
 

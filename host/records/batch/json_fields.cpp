@@ -10,7 +10,7 @@
 #include <cstdio>
 
 #include "common/system/file.hpp"
-#include "host/records/report/report.hpp"
+#include "host/report/report.hpp"
 
 namespace biteline::batch {
 

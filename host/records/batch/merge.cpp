@@ -11,8 +11,8 @@
 #include "host/cloud/closed_line.hpp"
 #include "host/records/batch/json_fields.hpp"
 #include "host/records/batch/line_drawing.hpp"
-#include "host/records/report/page.hpp"
-#include "host/records/report/report.hpp"
+#include "host/report/page.hpp"
+#include "host/report/report.hpp"
 
 namespace biteline::batch {
 namespace {

@@ -5,8 +5,8 @@
 
 #include "host/records/batch/json_fields.hpp"
 #include "host/records/batch/parallel.hpp"
-#include "host/records/report/json_text.hpp"
-#include "host/records/report/report.hpp"
+#include "host/report/json_text.hpp"
+#include "host/report/report.hpp"
 
 namespace biteline::batch {
 namespace {

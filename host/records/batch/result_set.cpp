@@ -15,7 +15,7 @@
 
 #include "common/core/numbers.hpp"
 #include "host/records/batch/json_fields.hpp"
-#include "host/records/report/json_text.hpp"
+#include "host/report/json_text.hpp"
 
 namespace biteline::batch {
 namespace {

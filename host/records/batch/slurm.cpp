@@ -15,7 +15,7 @@
 #include "common/core/fixed_text.hpp"
 #include "common/core/text.hpp"
 #include "host/records/batch/json_fields.hpp"
-#include "host/records/report/report.hpp"
+#include "host/report/report.hpp"
 
 namespace biteline::batch {
 namespace {

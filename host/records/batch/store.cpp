@@ -8,8 +8,8 @@
 #include "common/system/file.hpp"
 #include "host/records/batch/json_fields.hpp"
 #include "host/records/digest/digest.hpp"
-#include "host/records/report/json_text.hpp"
-#include "host/records/report/report.hpp"
+#include "host/report/json_text.hpp"
+#include "host/report/report.hpp"
 
 namespace biteline::batch {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "common/core/text_bounds.hpp"
 #include "common/system/file.hpp"
-#include "host/records/report/report.hpp"
+#include "host/report/report.hpp"
 
 namespace biteline::centre_word {
 namespace {

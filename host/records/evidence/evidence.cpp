@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "host/records/evidence/evidence.hpp"
 
-#include "host/bite_line/mend/versions.hpp"
+#include "host/bite_line/edit/versions.hpp"
 #include "host/records/digest/digest.hpp"
 
 namespace biteline::evidence {
@@ -54,10 +54,10 @@ std::optional<std::string> mended_since(const fs::path& scan, const memory::Evid
                                         const memory::Evidence& now, int known) {
   // A mend writes line and report anew, and nothing else of these; the line may come out as it was.
   if (now.line.empty() || now.cloud != written.cloud || now.process != written.process) return std::nullopt;
-  const Result<std::vector<mend::Version>> versions = mend::read_versions(scan);
+  const Result<std::vector<edit::Version>> versions = edit::read_versions(scan);
   if (!versions || versions->back().version <= known || versions->back().sha256 != now.line)
     return std::nullopt;
-  const mend::Version& newest = versions->back();
+  const edit::Version& newest = versions->back();
   return "version " + std::to_string(newest.version) + " of the line, by " + newest.who;
 }
 

@@ -6,7 +6,7 @@
 #include <cctype>
 
 #include "host/records/line_files/writers.hpp"
-#include "host/records/report/report.hpp"
+#include "host/report/report.hpp"
 
 namespace biteline::line_files {
 

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <string>
 
-#include "host/records/report/report.hpp"
+#include "host/report/report.hpp"
 #include "host/second_look/second_look.hpp"
 
 namespace biteline::look {

@@ -6,7 +6,7 @@
 
 #include "host/records/memory/factory_day.hpp"
 #include "host/records/memory/memory.hpp"
-#include "host/records/report/ended_by.hpp"
+#include "host/report/ended_by.hpp"
 
 namespace biteline::memory {
 

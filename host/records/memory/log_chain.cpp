@@ -13,7 +13,7 @@
 #include "common/core/fixed_text.hpp"
 #include "host/records/digest/digest.hpp"
 #include "host/records/memory/memory.hpp"
-#include "host/records/report/report.hpp"
+#include "host/report/report.hpp"
 
 namespace biteline::memory {
 namespace {

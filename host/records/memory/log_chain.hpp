@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "common/core/result.hpp"
-#include "host/records/report/refusal.hpp"
+#include "host/report/refusal.hpp"
 
 namespace biteline::memory {
 

@@ -2,7 +2,7 @@
 #pragma once
 /// \file Why a recording is not taken for what was recorded.
 
-#include "host/records/report/refusal.hpp"
+#include "host/report/refusal.hpp"
 
 namespace biteline::recording {
 

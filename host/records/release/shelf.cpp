@@ -9,7 +9,7 @@
 
 #include "host/records/archive/archive.hpp"
 #include "host/records/release/key_lines.hpp"
-#include "host/records/report/report.hpp"
+#include "host/report/report.hpp"
 
 namespace biteline::release {
 namespace {

@@ -5,7 +5,7 @@
 #include <filesystem>
 
 #include "common/core/result.hpp"
-#include "host/records/report/report.hpp"
+#include "host/report/report.hpp"
 #include "host/robot/path/plan.hpp"
 
 namespace biteline::results {

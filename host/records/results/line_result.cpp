@@ -6,14 +6,14 @@
 
 #include "common/system/file.hpp"
 #include "host/cloud/ply.hpp"
-#include "host/records/report/json_text.hpp"
-#include "host/records/report/page.hpp"
 #include "host/records/results/line_uncertainty.hpp"
 #include "host/records/results/pictures/stages.hpp"
 #include "host/records/results/view/alternatives.hpp"
 #include "host/records/results/view/page_parts.hpp"
 #include "host/records/results/view/view_data.hpp"
 #include "host/records/results/view/weak_stretches.hpp"
+#include "host/report/json_text.hpp"
+#include "host/report/page.hpp"
 
 namespace biteline::results {
 namespace {

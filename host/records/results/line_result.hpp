@@ -12,7 +12,7 @@
 #include "common/core/result.hpp"
 #include "host/bite_line/extraction.hpp"
 #include "host/bite_line/line_stages.hpp"
-#include "host/records/report/report.hpp"
+#include "host/report/report.hpp"
 
 namespace biteline::results {
 

@@ -9,7 +9,7 @@
 
 #include "host/cloud/closed_line.hpp"
 #include "host/cloud/uncertainty/arm_sway.hpp"
-#include "host/records/report/page.hpp"
+#include "host/report/page.hpp"
 
 namespace biteline::results {
 

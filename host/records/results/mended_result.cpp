@@ -11,13 +11,13 @@
 #include "common/system/file.hpp"
 #include "host/cloud/flagged.hpp"
 #include "host/cloud/ply.hpp"
-#include "host/records/report/page.hpp"
 #include "host/records/results/line_uncertainty.hpp"
 #include "host/records/results/plan_result.hpp"
 #include "host/records/results/view/alternatives.hpp"
 #include "host/records/results/view/page_parts.hpp"
 #include "host/records/results/view/view_data.hpp"
 #include "host/records/results/view/weak_stretches.hpp"
+#include "host/report/page.hpp"
 #include "host/robot/path/checks/line_check.hpp"
 
 namespace biteline::results {
@@ -38,7 +38,7 @@ std::string utc_now() {
 /// The result's report as it was found; an empty object where there is none.
 Json found_report(const fs::path& scan) {
   std::error_code error;
-  const fs::path kept = scan / mend::found_report();
+  const fs::path kept = scan / edit::found_report();
   const Result<std::string> text =
       read_regular_file(fs::exists(kept, error) ? kept : scan / "report.json", k_most_settings_bytes);
   Json json = text ? Json::parse(*text, nullptr, false) : Json{};
@@ -73,17 +73,17 @@ bool hand_may_settle(const Json& found) {
 }
 
 /// Why a mended line is none to be worked: refused, or for review (StillUnsure).
-std::optional<mend::Refusal> judge(const cloud::ClosedLine& line, const Json& found) {
+std::optional<edit::Refusal> judge(const cloud::ClosedLine& line, const Json& found) {
   if (!hand_may_settle(found)) {
-    return mend::Refusal{
-        mend::Refused::ScanUnusable,
+    return edit::Refusal{
+        edit::Refused::ScanUnusable,
         Text::format("the scan was refused, and no hand mends that: %s", text_of(found, "reason").c_str())
             .c_str()};
   }
   const cloud::Flagged flagged = cloud::flagged_of(line);
   if (flagged.too_much()) {
-    return mend::Refusal{
-        mend::Refused::StillUnsure,
+    return edit::Refusal{
+        edit::Refused::StillUnsure,
         Text::format(
             "%.0f %% of the mended line's length is still unsure or has too much U95 (at most %.0f %%)",
             100 * flagged.all(), 100 * cloud::k_most_flagged_share)
@@ -91,7 +91,7 @@ std::optional<mend::Refusal> judge(const cloud::ClosedLine& line, const Json& fo
   }
   for (const path::Check& check : path::check_line(line)) {
     if (check.passed) continue;
-    return mend::Refusal{mend::Refused::LineCheck, Text::format("the mended line fails the check '%s': %s",
+    return edit::Refusal{edit::Refused::LineCheck, Text::format("the mended line fails the check '%s': %s",
                                                                 check.name.c_str(), check.detail.c_str())
                                                        .c_str()};
   }
@@ -105,9 +105,9 @@ bool holds_head(const Json& found) {
 }
 
 /// What snapped, and by how much.
-Json as_json(const std::vector<mend::Snap>& snaps) {
+Json as_json(const std::vector<edit::Snap>& snaps) {
   Json rows = Json::array();
-  for (const mend::Snap& snap : snaps) {
+  for (const edit::Snap& snap : snaps) {
     rows.push_back({{"point_mm", {snap.wanted.x(), snap.wanted.y(), snap.wanted.z()}},
                     {"on_crease", snap.on_crease},
                     {"by_mm", snap.by_mm}});
@@ -115,16 +115,16 @@ Json as_json(const std::vector<mend::Snap>& snaps) {
   return rows;
 }
 
-Json versions_json(const std::vector<mend::Version>& versions) {
+Json versions_json(const std::vector<edit::Version>& versions) {
   Json rows = Json::array();
-  for (const mend::Version& version : versions) {
+  for (const edit::Version& version : versions) {
     Json row{{"version", version.version},
              {"time", version.time},
              {"who", version.who},
              {"why", version.why},
-             {"file", mend::line_file(version.version).string()}};
+             {"file", edit::line_file(version.version).string()}};
     std::string steps;
-    for (const mend::Step& step : version.steps) steps += (steps.empty() ? "" : "; ") + mend::words_of(step);
+    for (const edit::Step& step : version.steps) steps += (steps.empty() ? "" : "; ") + edit::words_of(step);
     if (!steps.empty()) row["steps"] = steps;
     rows.push_back(std::move(row));
   }
@@ -132,7 +132,7 @@ Json versions_json(const std::vector<mend::Version>& versions) {
 }
 
 Result<void> write_page(const fs::path& scan, const MendedScan& mended, const std::vector<WeakStretch>& weak,
-                        const std::vector<mend::Version>& versions, const report::Report& report) {
+                        const std::vector<edit::Version>& versions, const report::Report& report) {
   using report::Page;
   const bool refused = mended.status == ExitStatus::Refused;
   Page page{"Bite line", mended.words, refused ? Page::Mood::Refused : Page::Mood::Look};
@@ -140,9 +140,9 @@ Result<void> write_page(const fs::path& scan, const MendedScan& mended, const st
   add_viewer(page, scan);
   page.heading("Versions");
   std::vector<std::vector<std::string>> rows;
-  for (const mend::Version& version : versions) {
+  for (const edit::Version& version : versions) {
     std::string steps;
-    for (const mend::Step& step : version.steps) steps += (steps.empty() ? "" : "; ") + mend::words_of(step);
+    for (const edit::Step& step : version.steps) steps += (steps.empty() ? "" : "; ") + edit::words_of(step);
     rows.push_back({std::to_string(version.version), version.time, version.who, version.why, steps});
   }
   page.table({"version", "time", "who", "why", "steps"}, rows);
@@ -153,8 +153,8 @@ Result<void> write_page(const fs::path& scan, const MendedScan& mended, const st
 }
 
 /// Everything that told of the line before tells of this one.
-Result<void> write_result(const fs::path& scan, MendedScan& mended, const mend::Surface& surface,
-                          const std::vector<mend::Version>& versions, report::Report& report) {
+Result<void> write_result(const fs::path& scan, MendedScan& mended, const edit::Surface& surface,
+                          const std::vector<edit::Version>& versions, report::Report& report) {
   const SE3& T_base_shoe = surface.T_base_shoe();
   const Json found = found_report(scan);
   for (const char* key : {"input", "sensor", "simulated", "sample", "scan", "devices", "messages_lost",
@@ -162,8 +162,8 @@ Result<void> write_result(const fs::path& scan, MendedScan& mended, const mend::
     if (found.contains(key)) report.fields[key] = found[key];
   }
   mended.confidence = confidence_of(mended.line, found);
-  const std::optional<mend::Refusal> refusal = judge(mended.line, found);
-  const bool review = refusal && refusal->code == mend::Refused::StillUnsure;
+  const std::optional<edit::Refusal> refusal = judge(mended.line, found);
+  const bool review = refusal && refusal->code == edit::Refused::StillUnsure;
   if (review) report.review(*refusal);
   if (refusal && !review) report.refuse(*refusal);
   mended.status = report.status();
@@ -219,10 +219,10 @@ Result<void> write_result(const fs::path& scan, MendedScan& mended, const mend::
 
 }  // namespace
 
-Result<mend::OrRefusal<MendedScan>> mend_scan(const fs::path& scan, const MendOrder& order,
+Result<edit::OrRefusal<MendedScan>> mend_scan(const fs::path& scan, const MendOrder& order,
                                               report::Report& report) {
-  using Outcome = mend::OrRefusal<MendedScan>;
-  BITELINE_ASSIGN(std::vector<mend::Version> versions, mend::read_versions(scan));
+  using Outcome = edit::OrRefusal<MendedScan>;
+  BITELINE_ASSIGN(std::vector<edit::Version> versions, edit::read_versions(scan));
   const int newest = versions.back().version;
   if (order.line_version.value_or(newest) != newest) {
     return fail(Errc::WrongState, "version %d was mended, and the newest is %d: look at that one first",
@@ -231,35 +231,35 @@ Result<mend::OrRefusal<MendedScan>> mend_scan(const fs::path& scan, const MendOr
   MendedScan mended;
   BITELINE_ASSIGN(mended.cloud, report.timed("read", [&] { return cloud::read_cloud(scan / "cloud.ply"); }));
   cloud::ClosedLine base;
-  if (const Result<cloud::ClosedLine> line = mend::read_version(scan, newest)) {
+  if (const Result<cloud::ClosedLine> line = edit::read_version(scan, newest)) {
     base = *line;
   } else if (line.error().code != Errc::FileNotFound && line.error().code != Errc::FileUnreadable) {
     return tl::unexpected<Error>{line.error()};
   }
-  const mend::OrRefusal<mend::Surface> surface =
-      report.timed("surface", [&] { return mend::Surface::of(mended.cloud); });
-  if (!surface) return Outcome{tl::unexpected<mend::Refusal>(surface.error())};
-  mend::Version made{.version = 0,
+  const edit::OrRefusal<edit::Surface> surface =
+      report.timed("surface", [&] { return edit::Surface::of(mended.cloud); });
+  if (!surface) return Outcome{tl::unexpected<edit::Refusal>(surface.error())};
+  edit::Version made{.version = 0,
                      .time = utc_now(),
                      .who = order.who,
                      .why = order.why,
                      .mended = newest,
                      .steps = order.steps};
-  for (mend::Step& step : made.steps) {
+  for (edit::Step& step : made.steps) {
     const bool named = step.stretch.from_mm != 0 || step.stretch.to_mm != 0;
-    if (step.kind == mend::Step::Kind::Through && !named)
-      step.stretch = mend::stretch_about(base, step.points);
+    if (step.kind == edit::Step::Kind::Through && !named)
+      step.stretch = edit::stretch_about(base, step.points);
   }
-  const mend::OldLine old_line = [&](int version) -> std::optional<cloud::ClosedLine> {
-    Result<cloud::ClosedLine> line = mend::read_version(scan, version);
+  const edit::OldLine old_line = [&](int version) -> std::optional<cloud::ClosedLine> {
+    Result<cloud::ClosedLine> line = edit::read_version(scan, version);
     return line ? std::optional{std::move(*line)} : std::nullopt;
   };
-  mend::OrRefusal<cloud::ClosedLine> line = report.timed(
-      "mend", [&] { return mend::mend(*surface, base, made.steps, old_line, order.by, &mended.snaps); });
-  if (!line) return Outcome{tl::unexpected<mend::Refusal>(line.error())};
+  edit::OrRefusal<cloud::ClosedLine> line = report.timed(
+      "mend", [&] { return edit::mend(*surface, base, made.steps, old_line, order.by, &mended.snaps); });
+  if (!line) return Outcome{tl::unexpected<edit::Refusal>(line.error())};
   mended.line = std::move(*line);
-  BITELINE_ASSIGN(mended.version, mend::save_version(scan, made, mended.line));
-  BITELINE_ASSIGN(versions, mend::read_versions(scan));
+  BITELINE_ASSIGN(mended.version, edit::save_version(scan, made, mended.line));
+  BITELINE_ASSIGN(versions, edit::read_versions(scan));
   BITELINE_TRY(write_result(scan, mended, *surface, versions, report));
   return Outcome{std::move(mended)};
 }

@@ -4,10 +4,10 @@
 #include <numbers>
 
 #include "common/core/fixed_text.hpp"
-#include "host/records/report/page.hpp"
 #include "host/records/results/tracking_page/tracking_page.hpp"
 #include "host/records/results/view/page_parts.hpp"
 #include "host/records/results/view/view_data.hpp"
+#include "host/report/page.hpp"
 #include "host/robot/link/ur/script.hpp"
 #include "host/robot/path/certainty.hpp"
 #include "host/robot/path/checks/program_check.hpp"

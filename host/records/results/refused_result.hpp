@@ -6,7 +6,7 @@
 
 #include "common/core/result.hpp"
 #include "host/cloud/point_cloud.hpp"
-#include "host/records/report/report.hpp"
+#include "host/report/report.hpp"
 
 namespace biteline::results {
 

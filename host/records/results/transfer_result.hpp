@@ -6,7 +6,7 @@
 #include <string>
 
 #include "common/core/result.hpp"
-#include "host/records/report/report.hpp"
+#include "host/report/report.hpp"
 #include "host/transfer/transfer.hpp"
 
 namespace biteline::results {

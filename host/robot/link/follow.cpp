@@ -5,7 +5,7 @@
 #include <chrono>
 
 #include "common/core/fixed_text.hpp"
-#include "host/records/report/report.hpp"
+#include "host/report/report.hpp"
 #include "host/robot/link/path_watch.hpp"
 #include "host/robot/link/ur/force_script.hpp"
 

@@ -2,7 +2,7 @@
 #pragma once
 /// \file Why an arm that follows a path is stopped, or its run is not a done job.
 
-#include "host/records/report/refusal.hpp"
+#include "host/report/refusal.hpp"
 
 namespace biteline::robot {
 

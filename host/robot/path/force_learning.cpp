@@ -8,7 +8,7 @@
 #include "common/config/yaml_reader.hpp"
 #include "common/core/fixed_text.hpp"
 #include "host/geometry/closed_curve.hpp"
-#include "host/records/report/report.hpp"
+#include "host/report/report.hpp"
 #include "host/robot/path/force.hpp"
 
 namespace biteline::path {

@@ -2,7 +2,7 @@
 #include "host/robot/path/path_file.hpp"
 
 #include "common/core/fixed_text.hpp"
-#include "host/records/report/report.hpp"
+#include "host/report/report.hpp"
 
 namespace biteline::path {
 

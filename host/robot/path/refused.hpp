@@ -2,7 +2,7 @@
 #pragma once
 /// \file Why a line gets no path.
 
-#include "host/records/report/refusal.hpp"
+#include "host/report/refusal.hpp"
 
 namespace biteline::path {
 

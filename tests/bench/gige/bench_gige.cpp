@@ -8,7 +8,7 @@
 #include <deque>
 #include <random>
 
-#include "host/doors/gige/server.hpp"
+#include "host/interfaces/gige/server.hpp"
 #include "tests/gige/aravis_client.hpp"
 #include "tests/support/made_profile.hpp"
 

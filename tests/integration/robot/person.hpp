@@ -5,8 +5,8 @@
 #include <memory>
 #include <thread>
 
-#include "host/doors/accounts/first_token.hpp"
-#include "host/doors/control/client.hpp"
+#include "host/interfaces/accounts/first_token.hpp"
+#include "host/interfaces/control/client.hpp"
 #include "tests/integration/robot/service_with_arm.hpp"
 #include "tests/support/json.hpp"
 

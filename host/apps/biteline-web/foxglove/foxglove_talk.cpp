@@ -9,7 +9,7 @@
 
 #include "common/core/base64.hpp"
 #include "foxglove/schemas.pb.h"
-#include "host/doors/control/messages.hpp"
+#include "host/interfaces/control/messages.hpp"
 
 namespace biteline::web {
 namespace {

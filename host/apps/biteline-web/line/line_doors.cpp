@@ -22,7 +22,7 @@
 #include "common/system/file.hpp"
 #include "host/apps/biteline-web/line/line_socket.hpp"
 #include "host/apps/biteline-web/line/line_talk.hpp"
-#include "host/doors/control/poll.hpp"
+#include "host/interfaces/control/poll.hpp"
 
 namespace biteline::web {
 namespace {

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "common/core/result.hpp"
-#include "host/doors/line_control/line_state.hpp"
+#include "host/interfaces/line_control/line_state.hpp"
 
 namespace biteline::web {
 

@@ -10,7 +10,7 @@
 #include <cerrno>
 
 #include "host/apps/biteline-web/line/line_talk.hpp"
-#include "host/doors/line_control/part_number.hpp"
+#include "host/interfaces/line_control/part_number.hpp"
 
 namespace biteline::web {
 namespace {

@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "host/apps/biteline-web/line/line_talk.hpp"
-#include "host/doors/line_control/part_number.hpp"
+#include "host/interfaces/line_control/part_number.hpp"
 
 namespace biteline::web {
 namespace {

@@ -5,8 +5,8 @@
 #include <functional>
 
 #include "host/cloud/ply.hpp"
-#include "host/records/report/report.hpp"
 #include "host/records/results/pictures/shoe_view.hpp"
+#include "host/report/report.hpp"
 
 namespace biteline::results {
 namespace {

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "host/records/report/json_text.hpp"
-#include "host/records/report/report.hpp"
 #include "host/records/results/tracking_page/embedded_texts.hpp"
+#include "host/report/json_text.hpp"
+#include "host/report/report.hpp"
 #include "host/robot/kinematics/arm_shape.hpp"
 
 namespace biteline::results {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/records/report/refusal.hpp"
+#include "host/report/refusal.hpp"
 
 namespace biteline::results {
 namespace {

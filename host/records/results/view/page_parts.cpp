@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <string_view>
 
-#include "host/records/report/json_text.hpp"
+#include "host/report/json_text.hpp"
 
 namespace biteline::results {
 namespace {

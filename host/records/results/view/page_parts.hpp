@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "host/records/report/page.hpp"
-#include "host/records/report/refusal.hpp"
 #include "host/records/results/view/weak_stretches.hpp"
+#include "host/report/page.hpp"
+#include "host/report/refusal.hpp"
 
 namespace biteline::results {
 

@@ -8,9 +8,9 @@
 #include <cstdint>
 
 #include "common/core/base64.hpp"
-#include "host/records/report/json_text.hpp"
-#include "host/records/report/report.hpp"
 #include "host/records/results/view/weak_stretches.hpp"
+#include "host/report/json_text.hpp"
+#include "host/report/report.hpp"
 
 namespace biteline::results {
 namespace {

@@ -16,7 +16,7 @@
 #include "host/bite_line/extraction.hpp"
 #include "host/cloud/closed_line.hpp"
 #include "host/cloud/point_cloud.hpp"
-#include "host/records/report/page.hpp"
+#include "host/report/page.hpp"
 
 namespace biteline::results {
 

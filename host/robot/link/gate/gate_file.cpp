@@ -4,7 +4,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "host/records/report/report.hpp"
+#include "host/report/report.hpp"
 
 namespace biteline::robot {
 namespace {

@@ -2,7 +2,7 @@
 #pragma once
 /// \file Why the gate lets no path through.
 
-#include "host/records/report/refusal.hpp"
+#include "host/report/refusal.hpp"
 
 namespace biteline::robot {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Each reason of each module is a person's, the machine's or the shoe's.
-#include "host/records/report/ended_by.hpp"
+#include "host/report/ended_by.hpp"
 
 #include <CppUTest/TestHarness.h>
 

@@ -3,7 +3,7 @@
 #include <CppUTest/TestHarness.h>
 
 #include "host/apps/biteline-host/attempt.hpp"
-#include "host/apps/biteline-host/steps.hpp"
+#include "host/apps/biteline-host/scan_pipeline.hpp"
 #include "tests/support/errors.hpp"
 #include "tests/support/json.hpp"
 #include "tests/support/temporary_folder.hpp"

@@ -29,7 +29,7 @@ TEST(Buckets, EachHoldsItsOwnItemsInRisingOrder) {
 }
 
 TEST(Buckets, ItemsWhereTakesThoseAndNoOthers) {
-  const Large<std::uint32_t> sut = items_where(k_items, [](std::size_t i) { return i % 3 == 1; });
+  const PooledVector<std::uint32_t> sut = items_where(k_items, [](std::size_t i) { return i % 3 == 1; });
   LONGS_EQUAL(k_items / 3, sut.size());
   for (std::size_t k = 0; k < sut.size(); ++k) LONGS_EQUAL(3 * k + 1, sut[k]);
   LONGS_EQUAL(0, items_where(0, [](std::size_t) { return true; }).size());

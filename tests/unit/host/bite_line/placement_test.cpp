@@ -38,7 +38,7 @@ PlacedLine placed(O&& o_mm, double profiles_mm = 0.7, double path_z_mm = k_z_mm)
   // As a crease's path would be: on the grid's row, up to half of one off.
   const std::vector<double> path_row(static_cast<std::size_t>(grid.cols),
                                      std::floor((path_z_mm - grid.z_low_mm) / grid.row_mm));
-  Large<Eigen::Vector3f> near;
+  PooledVector<Eigen::Vector3f> near;
   for (const std::uint32_t i : near_path(side.field, path_row)) near.push_back(side.shoe.points[i]);
   return place_line({.near = near,
                      .points_per_mm2 = side.field.points_per_mm2,
@@ -109,7 +109,7 @@ TEST(Sections, CurvatureOfAParabolaIsItsOwn) {
   constexpr double k_per_mm = 0.2;
   const Sections sections =
       sections_of([](double, double z) { return 0.5 * k_per_mm * std::pow(z - k_z_mm, 2); });
-  const Large<float> sut = section_curvature(sections, 0.4);
+  const PooledVector<float> sut = section_curvature(sections, 0.4);
   for (int station = 0; station < sections.stations; station += 11) {
     for (const double above : {-1.0, 0.0, 1.0}) {
       const double slope = k_per_mm * above;

@@ -3,9 +3,9 @@
 
 #include <CppUTest/TestHarness.h>
 
-#include "host/doors/accounts/accounts.hpp"
-#include "host/doors/accounts/first_token.hpp"
-#include "host/doors/control/server.hpp"
+#include "host/interfaces/accounts/accounts.hpp"
+#include "host/interfaces/accounts/first_token.hpp"
+#include "host/interfaces/control/server.hpp"
 #include "host/records/memory/memory.hpp"
 #include "tests/support/errors.hpp"
 #include "tests/support/temporary_folder.hpp"

@@ -7,7 +7,7 @@
 #include <cstring>
 
 #include "foxglove/schemas.pb.h"
-#include "host/doors/control/messages.hpp"
+#include "host/interfaces/control/messages.hpp"
 
 namespace biteline::web {
 

@@ -8,7 +8,7 @@
 #include <future>
 #include <thread>
 
-#include "host/doors/control/server.hpp"
+#include "host/interfaces/control/server.hpp"
 #include "tests/support/errors.hpp"
 
 namespace biteline::web {

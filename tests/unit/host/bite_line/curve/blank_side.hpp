@@ -38,7 +38,7 @@ inline Raster blank_raster() {
   raster.rows = k_rows;
   raster.cols = k_cols;
   raster.col_mm = k_turn_mm / k_cols;
-  for (Large<float>* values : {&raster.o_mm, &raster.along_ratio, &raster.up_ratio}) {
+  for (PooledVector<float>* values : {&raster.o_mm, &raster.along_ratio, &raster.up_ratio}) {
     values->resize(raster.size());
     std::fill(values->begin(), values->end(), 0.0F);
   }

@@ -3,7 +3,7 @@
 
 #include <CppUTest/TestHarness.h>
 
-#include "host/bite_line/mend/versions.hpp"
+#include "host/bite_line/edit/versions.hpp"
 #include "tests/support/errors.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -69,9 +69,9 @@ TEST(Evidence, OnlyWhatAMendWroteIsANewerVersion) {
   SUCCEEDS(cloud::write_line(folder.path() / "line.csv", line));
   written = now();
   line.points[0].position.z() = 1;
-  const mend::Version made{
+  const edit::Version made{
       .version = 0, .time = "now", .who = "ada", .why = "tried", .mended = 0, .steps = {}};
-  SUCCEEDS(mend::save_version(folder.path(), made, line));
+  SUCCEEDS(edit::save_version(folder.path(), made, line));
   // The version alone is not yet the line.
   STRCMP_EQUAL("", mended().c_str());
   SUCCEEDS(cloud::write_line(folder.path() / "line.csv", line));
@@ -87,9 +87,9 @@ TEST(Evidence, OnlyWhatAMendWroteIsANewerVersion) {
   STRCMP_EQUAL("", mended().c_str());
   STRCMP_CONTAINS("line.csv was changed", told().c_str());
   // Nor is a version whose own file was edited read any more.
-  SUCCEEDS(mend::read_version(folder.path(), 1));
-  SUCCEEDS(cloud::write_line(folder.path() / mend::line_file(1), line));
-  const auto edited = mend::read_version(folder.path(), 1);
+  SUCCEEDS(edit::read_version(folder.path(), 1));
+  SUCCEEDS(cloud::write_line(folder.path() / edit::line_file(1), line));
+  const auto edited = edit::read_version(folder.path(), 1);
   CHECK(!edited);
   CHECK(edited.error().code == Errc::BadValue);
 }
