@@ -130,6 +130,14 @@ function(biteline_computes)
   endforeach()
 endfunction()
 
+# biteline_in_turn(<turn> <test> ...): what takes minutes and is no safety reaction.  There are four turns, 0 to 3, of some seven minutes
+# each.  ./run test has one of them each day, ./run test --all has them all.
+function(biteline_in_turn turn)
+  foreach(name ${ARGN})
+    set_property(TEST ${name} APPEND PROPERTY LABELS turn_${turn})
+  endforeach()
+endfunction()
+
 # biteline_has_camera_port(<test> ...): the standard fixes the port: one simulated camera at a time.
 function(biteline_has_camera_port)
   foreach(name ${ARGN})
