@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 # check_layers.sh ROOT: every #include "layer/..." stays within what its layer may know.
-#   common <- hal <- firmware, common <- host; inside host the algorithms know neither intake, robot/link, results, doors, fleet nor apps;
+#   common <- hal <- firmware, common <- host; inside host the algorithms know neither intake, robot/link, interfaces, fleet nor apps,
+#   and of the records two tools alone: archive and digest;
 #   vendor headers stay out of hal/api and of common (but for common/config and common/image).
 set -u
 root=$1
@@ -26,8 +27,10 @@ forbid 'hal/api hal/board hal/timing' 'hal/(linux|replay|sim)/' 'interfaces, boa
 forbid host/fleet 'host/(intake|robot|interfaces/(api|accounts)|records/results|apps)/' 'the fleet knows the memory, not the cell'
 forbid 'common firmware hal host/records/memory host/interfaces/api host/interfaces/control host/apps/biteline-host host/apps/biteline-web' '(mosquitto|pqxx)' 'the cell waits for no network: broker and database are reached by host/fleet alone'
 forbid host/interfaces/line_control 'host/(intake|robot|interfaces/(api|accounts)|records/(memory|results)|apps)/' 'the state machine of the line knows no door and no memory'
+kept=$(cd "$root" && ls host/records 2>/dev/null | grep -vE '^(archive|digest)$|\.' | paste -sd'|')
 for algorithm in geometry cloud bite_line calibration transfer second_look study robot/kinematics robot/path report; do
-  forbid "host/$algorithm" 'host/(intake|robot/link|records/results|doors|fleet|apps)/' 'algorithms know neither the network nor results nor the programs'
+  forbid "host/$algorithm" 'host/(intake|robot/link|interfaces|fleet|apps)/' 'algorithms know neither the network nor the programs'
+  forbid "host/$algorithm" "host/records/($kept)/" 'algorithms know nothing that is kept: of the records archive and digest alone'
 done
 product=$(cd "$root" && ls -d host/cloud host/bite_line/* host/intake host/transfer host/records 2>/dev/null | grep -v '/published$')
 forbid "$product" 'host/bite_line/published/' 'the product does not stand on the published method'
