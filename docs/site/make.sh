@@ -16,6 +16,7 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
 python3 "$here/stage.py" "$root" "$work/pages"
+python3 "$here/api_page.py" "$root/host/web/openapi.yaml" "$work/pages/docs/api.md"
 version=$(sed -n 's/^project(biteline VERSION \([0-9.]*\).*/\1/p' "$root/CMakeLists.txt")
 sed "s|^site_name:.*|site_name: Biteline $version|" "$here/mkdocs.yml" >"$work/mkdocs.yml"
 printf 'docs_dir: %s\nsite_dir: %s\n' "$work/pages" "$work/site" >>"$work/mkdocs.yml"
