@@ -10,7 +10,7 @@ export BITELINE_API_ANSWERS=$folder/answers
 for test in "$@"; do
   # Of the service and the web program only what asks the API.
   case "$(basename "$test")" in
-    service_test) "$test" -g CockpitAnswers ;;
+    service_test) "$test" -g OperatorControlAnswers ;;
     web_test) "$test" -g WebServer ;;
     *) "$test" ;;
   esac
