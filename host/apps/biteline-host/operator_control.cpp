@@ -134,10 +134,10 @@ Result<void> OperatorControl::listen() {
 
 void OperatorControl::command(OperatorCommand command) {
   const std::lock_guard lock{mutex_};
-  wish_locked(std::move(command));
+  command_locked(std::move(command));
 }
 
-void OperatorControl::wish_locked(OperatorCommand command) {
+void OperatorControl::command_locked(OperatorCommand command) {
   // The last of a kind counts, so there are never more than kinds and scans that were held.
   std::erase_if(commands_, [&](const OperatorCommand& other) {
     return other.kind == command.kind && other.scan == command.scan;
@@ -145,7 +145,7 @@ void OperatorControl::wish_locked(OperatorCommand command) {
   commands_.push_back(std::move(command));
 }
 
-std::optional<OperatorCommand> OperatorControl::next_wish(bool of_held) {
+std::optional<OperatorCommand> OperatorControl::next_command(bool of_held) {
   const std::lock_guard lock{mutex_};
   const auto next =
       std::ranges::find_if(commands_, [&](const OperatorCommand& one) { return of_held || !one.of_held(); });

@@ -44,7 +44,7 @@ struct OperatorControlConfig {
 /// In the memory's settings: "yes" while every scan waits for a person.
 inline constexpr const char* k_hold_key = "hold_every_scan";
 
-/// What a door wants of the service's own thread.
+/// What a client commands the service's own thread.
 struct OperatorCommand {
   enum class Kind {
     Start,
@@ -97,8 +97,8 @@ class OperatorControl final : public api::Cell {
   [[nodiscard]] const std::string& address() const { return address_; }
 
   /// `of_held` false: what is held is not to be had now, and what was said about it stays in the queue.
-  [[nodiscard]] std::optional<OperatorCommand> next_wish(bool of_held = true);
-  /// It is not heeded, as it was said before a stop.
+  [[nodiscard]] std::optional<OperatorCommand> next_command(bool of_held = true);
+  /// It is not carried out, as it was said before a stop.
   void drop(const OperatorCommand& command);
   /// As a stop that no person said.
   void halt() { stops_.stop(); }
@@ -240,7 +240,7 @@ class OperatorControl final : public api::Cell {
   /// Why a yes to what is held would come to nothing now; nothing: the gate decides.
   [[nodiscard]] std::optional<report::ToldRefusal> not_sendable_locked() const;
   void command(OperatorCommand command);
-  void wish_locked(OperatorCommand command);
+  void command_locked(OperatorCommand command);
   /// Arm, scan, what waits and what was said end here; the service's thread tells the sensor.
   void end_all(OperatorCommand::Kind kind, const std::string& who);
   /// The scan that is held goes on: nobody can say a word about it until it is held again.

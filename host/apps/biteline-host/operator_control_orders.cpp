@@ -34,7 +34,7 @@ void OperatorControl::end_all(OperatorCommand::Kind kind, const std::string& who
   if (cell_.shoe() == Shoe::Held) ended_ = shoe_scan_;
   cell_.on(CellEvent::Stop);
   stopped_by_ = who;
-  wish_locked({.kind = kind, .who = who});
+  command_locked({.kind = kind, .who = who});
 }
 
 void OperatorControl::taken_at_the_pendant() {
@@ -45,7 +45,7 @@ void OperatorControl::taken_at_the_pendant() {
     stops_.stop();
     const std::lock_guard lock{mutex_};
     go_ = stops_.now();
-    wish_locked({.kind = OperatorCommand::Kind::Stop, .who = who});
+    command_locked({.kind = OperatorCommand::Kind::Stop, .who = who});
   }
   const Result<void> logged = memory_.log({.id = 0,
                                            .time = memory::now_ms(),
@@ -128,7 +128,7 @@ void OperatorControl::go_locked(OperatorCommand command) {
   go_ = command.mark;
   cell_.on(CellEvent::Start);
   ended_.clear();
-  wish_locked(std::move(command));
+  command_locked(std::move(command));
 }
 
 Result<void> OperatorControl::rescan(const Rescan& order) {

@@ -31,7 +31,7 @@ Result<void> write_secret(const fs::path& file, const std::string& text) {
   return written;
 }
 
-/// In small steps, so that a stop is heeded.
+/// In small steps, so that a stop is noticed.
 void wait_before_retry(const std::atomic<bool>& stop) {
   for (milliseconds waited{0}; waited < k_before_retry && !stop; waited += milliseconds{50}) {
     std::this_thread::sleep_for(milliseconds{50});

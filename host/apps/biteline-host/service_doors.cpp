@@ -125,7 +125,7 @@ void Service::supervise_web() {
 
 void Service::heed_wishes() {
   // What is held belongs to the result's thread until that has ended; a word may come before.
-  while (const std::optional<OperatorCommand> command = operator_control_->next_wish(!result_.valid()))
+  while (const std::optional<OperatorCommand> command = operator_control_->next_command(!result_.valid()))
     handle(*command);
 }
 

@@ -212,7 +212,7 @@ TEST(OperatorControlOffers, OfTwoWordsAtOnceAboutWhatIsHeldOneCounts) {
     for (const std::string& command : k_commands) {
       const std::unique_ptr<OneCell> cell = open(situation.with_arm, situation.on_demand);
       situation.state(*cell->sut);
-      while (cell->sut->next_wish()) {
+      while (cell->sut->next_command()) {
       }
       const bool moved = cell->sut->cell().arm_will_move();
       std::atomic<int> taken{0};
@@ -222,7 +222,7 @@ TEST(OperatorControlOffers, OfTwoWordsAtOnceAboutWhatIsHeldOneCounts) {
       const std::string what = std::string{situation.name} + ": " + command;
       if (words.contains(command)) CHECK_TEXT(taken <= 1, what.c_str());
       int of_held = 0;
-      while (const std::optional<OperatorCommand> command = cell->sut->next_wish())
+      while (const std::optional<OperatorCommand> command = cell->sut->next_command())
         of_held += command->of_held() ? 1 : 0;
       CHECK_TEXT(of_held <= 1, what.c_str());
       if (!moved && command != "accept") CHECK_FALSE_TEXT(cell->sut->cell().arm_will_move(), what.c_str());

@@ -31,7 +31,7 @@ TEST_GROUP(OperatorControlSettings) {
   }
   OperatorCommand command() {
     for (int i = 0; i < 1000; ++i) {
-      if (const auto found = sut->next_wish()) return *found;
+      if (const auto found = sut->next_command()) return *found;
       std::this_thread::sleep_for(std::chrono::milliseconds{2});
     }
     FAIL("no command came");
@@ -79,7 +79,7 @@ TEST(OperatorControlSettings, WithoutASensorOrWithoutSenseNothingIsSent) {
   FAILS_NAMING(
       Errc::BadValue, "more than exposure_us",
       sut->change_settings({{.key = Key::SecondExposureUs, .value = settings::Value{.number = 100}}}, "eng"));
-  CHECK(!sut->next_wish());
+  CHECK(!sut->next_command());
 }
 
 TEST(OperatorControlSettings, ASensorThatGoesAwayAnswersForItself) {
@@ -98,7 +98,7 @@ TEST(OperatorControlSettings, ARecordingIsAskedForAndTheSensorsWordComesBack) {
   sut->hear(hello);
   FAILS_NAMING(Errc::WrongState, "head 3 keeps no recording over the network: it is older than protocol 1.3",
                sut->keep_recording(false, "ada"));
-  CHECK(!sut->next_wish());
+  CHECK(!sut->next_command());
   hello.protocol_minor = wire::k_least_minor_to_keep;
   sut->hear(hello);
   hear_sensor();

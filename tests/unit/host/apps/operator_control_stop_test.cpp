@@ -63,7 +63,7 @@ TEST_GROUP(OperatorControlStop) {
   /// Wishes that the service would still handle, but for the stop's own.
   int alive() {
     int count = 0;
-    while (const std::optional<OperatorCommand> command = sut->next_wish()) {
+    while (const std::optional<OperatorCommand> command = sut->next_command()) {
       if (command->kind != OperatorCommand::Kind::Stop && command->kind != OperatorCommand::Kind::LaserOff &&
           !command->mark.stopped())
         ++count;
@@ -221,7 +221,7 @@ TEST(OperatorControlStop, WithoutDoorsGivingTheArmBackIsTheWordToGoOn) {
   const robot::StopMark before = sut->going();
   sut->taken_at_the_pendant();
   CHECK(before.stopped());
-  const std::optional<OperatorCommand> command = sut->next_wish();
+  const std::optional<OperatorCommand> command = sut->next_command();
   CHECK(command && command->kind == OperatorCommand::Kind::Stop);
   const std::optional<robot::StopMark> mark = sut->begin_cycle();
   CHECK(mark && !mark->stopped());
@@ -291,7 +291,7 @@ TEST(OperatorControlStop, APartNumberIsOfTheNextStartWhoeverSaysItAndEndsWithASt
   LONGS_EQUAL(0, static_cast<int>(sut->choose_job(1, false)));
   const auto started = [this] {
     std::optional<OperatorCommand> last;
-    while (std::optional<OperatorCommand> command = sut->next_wish()) last = std::move(command);
+    while (std::optional<OperatorCommand> command = sut->next_command()) last = std::move(command);
     CHECK(last && last->kind == OperatorCommand::Kind::Start);
     return last->job;
   };
@@ -329,7 +329,7 @@ TEST(OperatorControlStop, AMendThatAStopMeetsIsOver) {
   CHECK(sut->mends(k_scan));
   sut->end_mend(k_scan, true, {"ada", stops.count()});
   sut->stop("ada");
-  while (const std::optional<OperatorCommand> command = sut->next_wish()) {
+  while (const std::optional<OperatorCommand> command = sut->next_command()) {
     if (command->kind != OperatorCommand::Kind::Stop) sut->drop(*command);
   }
   CHECK_FALSE(sut->mends(k_scan));
@@ -374,10 +374,10 @@ TEST(OperatorControlStop, OfManyWordsAtOnceOneCounts) {
     const auto row = sut->memory().scan(k_scan);
     SUCCEEDS(row);
     STRCMP_EQUAL(yes == 1 ? "accepted" : "rejected", (*row)->decision.c_str());
-    const std::optional<OperatorCommand> command = sut->next_wish();
+    const std::optional<OperatorCommand> command = sut->next_command();
     CHECK(command &&
           command->kind == (yes == 1 ? OperatorCommand::Kind::Send : OperatorCommand::Kind::Reject));
-    CHECK(!sut->next_wish());
+    CHECK(!sut->next_command());
   }
 }
 

@@ -40,7 +40,7 @@ TEST_GROUP(OperatorControlTeach) {
     CHECK(word.error().code == Errc::WrongState);
   }
   OperatorCommand::Kind next() const {
-    const std::optional<OperatorCommand> command = sut->next_wish();
+    const std::optional<OperatorCommand> command = sut->next_command();
     CHECK(command.has_value());
     return command->kind;
   }
@@ -123,7 +123,7 @@ TEST(OperatorControlTeach, ARunInTheAirNeedsACheckedPathThatWaits) {
       .kind = api::Decision::Kind::Reject, .scan = "scan-0001", .who = "ada", .why = "no", .door = "web"};
   refused(sut->decide(no));
   refused(sut->begin_mend("scan-0001"));
-  CHECK(!sut->next_wish());
+  CHECK(!sut->next_command());
   test::hold_worked(*sut, {.scan = "scan-0001", .waits = Waits::ForModel});
   SUCCEEDS(sut->choose_process("scan-0001", "rough", "ada"));
   CHECK(next() == OperatorCommand::Kind::Process);
@@ -149,11 +149,11 @@ TEST(OperatorControlTeach, NoWordIsLostBehindManyOthersAndTheLastOfAKindCounts) 
   SUCCEEDS(sut->choose_process("scan-0001", "rough", {"ada", stops.count()}));
   CHECK(next() == OperatorCommand::Kind::LaserOff);
   CHECK(next() == OperatorCommand::Kind::Stop);
-  const std::optional<OperatorCommand> start = sut->next_wish();
+  const std::optional<OperatorCommand> start = sut->next_command();
   CHECK(start && start->kind == OperatorCommand::Kind::Start);
   STRCMP_EQUAL("p199", start->job.process.c_str());
   CHECK(next() == OperatorCommand::Kind::Process);
-  CHECK(!sut->next_wish());
+  CHECK(!sut->next_command());
 }
 
 TEST(OperatorControlTeach, AHoldStaysOneWhenTheModelIsNamed) {
@@ -189,7 +189,7 @@ TEST(OperatorControlTeach, AHoldThatComesTooLateIsToldSo) {
 TEST(OperatorControlTeach, AHoldBesideTheLastLookIsEitherHeededOrRefused) {
   using enum api::Decision::Kind;
   open(true);
-  int heeded = 0;
+  int handled = 0;
   for (int round = 0; round < 200; ++round) {
     const std::string scan = "scan-" + std::to_string(1000 + round);
     test::work(*sut, scan);
@@ -205,9 +205,9 @@ TEST(OperatorControlTeach, AHoldBesideTheLastLookIsEitherHeededOrRefused) {
     const bool held = sut->wants_hold_at_last(scan);
     if (person.joinable()) person.join();
     CHECK_EQUAL_TEXT(taken, held, scan.c_str());
-    heeded += held ? 1 : 0;
+    handled += held ? 1 : 0;
   }
-  CHECK(heeded >= 50);
+  CHECK(handled >= 50);
 }
 
 TEST(OperatorControlTeach, NothingIsPlannedWithoutAnArm) {
@@ -239,7 +239,7 @@ TEST(OperatorControlTeach, AYesThatTheGateWouldRefuseIsRefusedWithItsReasonAndCh
     CHECK_FALSE(held["sendable"].get<bool>());
     STRCMP_CONTAINS(reason, held["reason"].get<std::string>().c_str());
     CHECK(!held["next_step"].get<std::string>().empty());
-    CHECK(!sut->next_wish());
+    CHECK(!sut->next_command());
     STRCMP_EQUAL("held", (*sut->memory().scan("scan-0001"))->decision.c_str());
   };
   test::hold_worked(*sut, {.scan = "scan-0001", .waits = Waits::ForWord, .fresh_s = -5});

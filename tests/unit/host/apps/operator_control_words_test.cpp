@@ -66,7 +66,7 @@ TEST(OperatorControlWords, AWordInTheFirstMomentOfAHoldFindsRowAndHold) {
   words.unlock();
   SUCCEEDS(word.get());
   STRCMP_EQUAL("accepted", row().decision.c_str());
-  const std::optional<OperatorCommand> command = sut->next_wish();
+  const std::optional<OperatorCommand> command = sut->next_command();
   CHECK(command && command->kind == OperatorCommand::Kind::Send);
 }
 
@@ -78,11 +78,11 @@ TEST(OperatorControlWords, AWordThatAFullDiskCannotKeepDoesNothingAndIsHeardOnce
       const test::FullDisk full;
       const Result<void> said = say(kind).get();
       CHECK(!said && said.error().code == Errc::DiskFull);
-      CHECK_FALSE(sut->next_wish());
+      CHECK_FALSE(sut->next_command());
       STRCMP_EQUAL("held", row().decision.c_str());
     }
     SUCCEEDS(say(kind).get());
-    const std::optional<OperatorCommand> command = sut->next_wish();
+    const std::optional<OperatorCommand> command = sut->next_command();
     CHECK(command && command->kind == (kind == api::Decision::Kind::Accept ? OperatorCommand::Kind::Send
                                                                            : OperatorCommand::Kind::Reject));
   }
