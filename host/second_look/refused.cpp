@@ -28,6 +28,10 @@ std::span<const report::RefusalRow<Settle>> refusal_table(Settle) {
           "them "
           "worked again"},
       Row{WorkUnsure, "work_unsure", "look by eye at the stretches that the report lists"},
+      Row{WorkRanOut, "work_ran_out",
+          "fill or clean the gun, or look at the tool; try it beside the shoe, then finish the shoe by hand "
+          "or "
+          "have it worked again"},
   };
   return k_rows;
 }

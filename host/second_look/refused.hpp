@@ -24,6 +24,7 @@ enum class Settle {
   WorkFaulty,   ///< something is missing, too narrow, too wide, beside or doubled
   StillFaulty,  ///< likewise, after it was worked once more
   WorkUnsure,   ///< no fault, but stretches that nobody can tell of
+  WorkRanOut,   ///< from some place on nothing was left, to the path's end
 };
 
 [[nodiscard]] std::span<const report::RefusalRow<Settle>> refusal_table(Settle);

@@ -28,7 +28,9 @@ double GlueGun::step(double step_s, bool gun, double analog_ratio) {
   // Exact for an output that stands over the step.
   const double keeps = facts_.pump_lag_s > 0 ? std::exp(-step_s / facts_.pump_lag_s) : 0;
   flow_ratio_ = facts_.metered ? analog_ratio + keeps * (flow_ratio_ - analog_ratio) : 1;
-  return flow_ratio_ * open_s / step_s;
+  const double out = flow_ratio_ * open_s / step_s;
+  given_s_ += out * step_s;
+  return given_s_ > facts_.good_for_s ? facts_.then_ratio * out : out;
 }
 
 }  // namespace biteline::sim

@@ -3,6 +3,7 @@
 /// \file A simulated gun and its pump: what comes out, by the controller's two outputs.
 
 #include <deque>
+#include <limits>
 
 namespace biteline::sim {
 
@@ -12,6 +13,10 @@ struct GunFacts {
   double closes_s{0.025};    ///< from its switching off
   double pump_lag_s{0.030};  ///< first-order, of the flow behind the analog output
   bool metered{true};        ///< the pump follows the analog output; else it gives full flow
+  /// After so much of full flow it gives `then_ratio` of it for ever: 0 for an empty one, less than 1 for a
+  /// clogged one.
+  double good_for_s{std::numeric_limits<double>::infinity()};
+  double then_ratio{0};
 };
 
 /// Its needle opens and closes at once, so long after its output.  A closed needle lets nothing through, and
@@ -33,6 +38,7 @@ class GlueGun {
   bool told_{false}, open_{false};
   std::deque<Edge> edges_;
   double flow_ratio_{0};
+  double given_s_{0};  ///< of full flow
 };
 
 }  // namespace biteline::sim

@@ -261,6 +261,8 @@ Result<void> OperatorControl::decide(const api::Decision& decision) {
       const std::lock_guard lock{mutex_};
       // A stop that came meanwhile has ended it: the word's mark says so to whoever heeds it.
       cell_.on(sends ? CellEvent::Accept : CellEvent::Reject);
+      // At once: a start that comes after the no is a person's word to go on.
+      if (!sends && held_is_step_) cell_.on(CellEvent::AsksPerson);
       hold_wanted_.clear();
     }
     if (!sends) end_cycle(*scan);

@@ -68,6 +68,12 @@ class Service {
     TakenProcess process;
     RobotOptions options;
   };
+  /// What a look has found missing, to be worked once more.
+  struct Missing {
+    second_look::Rework pieces;
+    second_look::PlannedBand band;  ///< all that was to be worked, as the look had it
+    std::string look_sha256;        ///< of its report
+  };
   /// What a scan is worked with.
   struct Chosen {
     std::string model;
@@ -86,6 +92,7 @@ class Service {
     std::optional<TakenProcess> process{};
     std::vector<TakenProcess> following{};  ///< that the same shoe is worked with then, in this order
     std::string follows{};                  ///< the result of the process before; empty: it is the first
+    std::optional<Missing> rework{};        ///< it works this alone, of what it follows
     memory::Evidence written{};             ///< what was looked at, as the service wrote it
     std::optional<memory::Places> places{};
     std::optional<release::InForce> release{};  ///< else the cell's own library and processes
@@ -155,7 +162,6 @@ class Service {
     Scan scan;
     Planned planned;                 ///< what was followed first
     int looks{0};                    ///< that were worked out
-    bool reworked{false};            ///< what was missing was worked once more
     std::optional<Looked> looked{};  ///< whether it has moved, by the last one
 
     [[nodiscard]] std::string name() const { return scan.folder.filename().string(); }
@@ -268,13 +274,16 @@ class Service {
   /// Of several processes this one was begun and not ended: why a person must look; empty: nobody must.
   [[nodiscard]] std::string cut_off(const std::filesystem::path& folder, const Chosen& chosen,
                                     const Result<ExitStatus>& status) const;
+  /// Of a step: which shoe, and with what.
+  [[nodiscard]] static std::string not_worked(const Chosen& chosen);
+  [[nodiscard]] static std::vector<path::Piece> pieces_of(const Missing& rework);
   /// No scan is asked for before a person has looked.
   [[nodiscard]] Worked ask_a_person(Worked worked, const std::string& words);
-  /// The shoe's next process, from its files to its end or until it waits.  The result's thread.
+  /// The shoe's next process, or a rework, from its files to its end or until it waits.  The result's thread.
   /// Pre: one follows, and what was worked is ended and looked at as it asks.
-  [[nodiscard]] Worked begin_step(AfterWork after);
+  [[nodiscard]] Worked begin_step(AfterWork after, std::optional<Missing> rework = {});
   /// `after` becomes the next process's: folder, files and what it is worked with.
-  [[nodiscard]] Result<void> take_step(AfterWork& after) const;
+  [[nodiscard]] Result<void> take_step(AfterWork& after, std::optional<Missing> rework) const;
   [[nodiscard]] Result<void> plan_step(AfterWork& after) const;
   [[nodiscard]] NextStep next_of_step(const AfterWork& after) const;
   /// Pre: it may be sent without a person.
@@ -311,10 +320,12 @@ class Service {
   };
   [[nodiscard]] Result<Inspected> inspect_files(const AfterWork& after, const cloud::PointCloud& seen,
                                                 HostClock::time_point at) const;
-  /// Pre: something is missing, and it is the first time.
+  /// What is missing becomes a step of its own.  Pre: something is, and it is the first time.
   [[nodiscard]] Worked rework(AfterWork after, const Inspected& seen, WorkBook book);
-  [[nodiscard]] Result<ExitStatus> follow_rework(const AfterWork& after, const Inspected& seen,
-                                                 const second_look::Rework& pieces, std::string& why_not);
+  /// Its rework was sent: what is missing of it is that one's to tell.
+  void tell_reworked(const std::string& before) const;
+  /// Work and reason anew, of the scan's files; nothing where it has no row.
+  void put_work_row(const std::string& scan) const;
   /// Nobody looks any more: the row says what is known.
   [[nodiscard]] Worked end_work(AfterWork after, WorkBook book, Result<ExitStatus> status);
   [[nodiscard]] Worked end_unlooked(AfterWork after, WorkBook book, const std::string& why);

@@ -79,7 +79,10 @@ void Service::show_scan(const Scan& scan) {
 }
 
 void Service::tell_held(const HeldScan& held, bool again) {
-  OperatorControl::HeldShown shown{.scan = held.name(), .waits = Waits::ForModel, .mark = held.scan.mark};
+  OperatorControl::HeldShown shown{.scan = held.name(),
+                                   .waits = Waits::ForModel,
+                                   .mark = held.scan.mark,
+                                   .is_step = !held.scan.chosen.follows.empty()};
   if (const Planned* const planned = held.planned()) {
     const bool has_path = planned->plan.outcome.path.has_value();
     shown.waits = has_path ? Waits::ForWord : Waits::ForPath;

@@ -167,6 +167,12 @@ Result<void> Service::look_at_files(HeldScan& held) {
 
 Result<ExitStatus> Service::plan_anew(HeldScan& held) {
   const fs::path& folder = held.scan.folder;
+  if (held.scan.chosen.rework) {
+    held.planned()->plan.outcome = {};
+    return fail(Errc::WrongState,
+                "%s works once more what a look has found missing along its own line; reject it",
+                held.name().c_str());
+  }
   PlanStep& plan = held.planned()->plan;
   // From here on the old path is none: its folder is written anew.
   plan.outcome = {};

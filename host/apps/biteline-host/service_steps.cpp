@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Several processes for one shoe, one after the other: each is a result of its own, with its own path, gate
-// and look.
+// and look.  So is a rework: the same process, for what a look has found missing.
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -11,6 +11,7 @@
 #include "host/apps/biteline-host/service.hpp"
 #include "host/apps/biteline-host/service_words.hpp"
 #include "host/records/evidence/evidence.hpp"
+#include "host/records/look/rework_files.hpp"
 #include "host/report/json_text.hpp"
 #include "host/report/report.hpp"
 #include "host/robot/path/mounted.hpp"
@@ -51,11 +52,13 @@ Result<void> copy_result(const fs::path& from, const fs::path& to) {
   return {};
 }
 
-Result<void> tell_step(const fs::path& folder, const std::string& of, const std::string& process) {
+Result<void> tell_step(const fs::path& folder, const std::string& of, const std::string& process,
+                       std::size_t pieces) {
   BITELINE_ASSIGN(const std::string text, read_regular_file(folder / "report.json", k_most_settings_bytes));
   StepJson report = StepJson::parse(text, nullptr, false);
   if (!report.is_object()) return fail(Errc::BadFormat, "%.200s: no report", folder.c_str());
   report["follows"] = {{"scan", of}, {"process", process}};
+  if (pieces > 0) report["follows"]["rework_pieces"] = pieces;
   return report::write_file_atomically(folder / "report.json", report::to_text(report) + "\n");
 }
 
@@ -92,6 +95,17 @@ std::string Service::cut_off(const fs::path& folder, const Chosen& chosen,
          " was begun and not worked to its end; nothing that follows it is worked";
 }
 
+std::string Service::not_worked(const Chosen& chosen) {
+  return chosen.follows + " is not worked " + (chosen.rework ? "once more" : "with " + chosen.process_name);
+}
+
+std::vector<path::Piece> Service::pieces_of(const Missing& rework) {
+  std::vector<path::Piece> pieces;
+  for (const second_look::ReworkPiece& piece : rework.pieces.pieces)
+    pieces.push_back({.from_mm = piece.along.from_mm, .to_mm = piece.along.to_mm});
+  return pieces;
+}
+
 Service::Worked Service::ask_a_person(Worked worked, const std::string& words) {
   log_step("%s; a person must look before the next scan", words.c_str());
   operator_control_->show_work(words, true);
@@ -101,30 +115,37 @@ Service::Worked Service::ask_a_person(Worked worked, const std::string& words) {
   return worked;
 }
 
-Result<void> Service::take_step(AfterWork& after) const {
+Result<void> Service::take_step(AfterWork& after, std::optional<Missing> rework) const {
   Scan& scan = after.scan;
   const fs::path before = scan.folder;
-  const fs::path seen = after.looks > 0 ? look_folder(before, after.looks) : before;
+  // What the next look is compared with: the work of this process on it, or for a rework none of it.
+  const fs::path seen = after.looks > 0 && !rework ? look_folder(before, after.looks) : before;
   scan.folder = next_folder();
   BITELINE_TRY(report::prepare_folder(scan.folder));
   BITELINE_TRY(copy_result(before, scan.folder));
-  // What the next look is compared with has the work of this process on it.
   std::error_code error;
   fs::copy_file(seen / "cloud.ply", scan.folder / "cloud.ply", error);
   if (error) return fail_errno(Errc::WriteFailed, error.value(), "%.200s", scan.folder.c_str());
   Chosen& chosen = scan.chosen;
   chosen.follows = before.filename().string();
-  chosen.process = std::move(chosen.following.front());
-  chosen.following.erase(chosen.following.begin());
-  chosen.process_name = chosen.process->process.name;
+  if (!rework) {
+    chosen.process = std::move(chosen.following.front());
+    chosen.following.erase(chosen.following.begin());
+  }
+  chosen.rework = std::move(rework);
+  chosen.process_name = taken_of(chosen).process.name;
   chosen.other_process.clear();
   chosen.told_twice.clear();
   chosen.places.reset();
-  BITELINE_TRY(tell_step(scan.folder, chosen.follows, chosen.process_name));
+  const std::size_t pieces = chosen.rework ? chosen.rework->pieces.pieces.size() : 0;
+  BITELINE_TRY(tell_step(scan.folder, chosen.follows, chosen.process_name, pieces));
   BITELINE_TRY(keep_process(scan.folder, chosen));
   BITELINE_ASSIGN(chosen.written, evidence::of_folder(scan.folder));
-  chosen.written.process = chosen.process->sha256;
+  chosen.written.process = taken_of(chosen).sha256;
   chosen.written.report.clear();  // it is not the last one yet
+  // Once, whatever comes of it: before there is a path.
+  if (chosen.rework)
+    BITELINE_TRY(look::record_rework(before, {.look_sha256 = chosen.rework->look_sha256, .pieces = pieces}));
   return {};
 }
 
@@ -132,7 +153,10 @@ Result<void> Service::plan_step(AfterWork& after) const {
   Planned& planned = after.planned;
   const Scan& scan = after.scan;
   path::PlanRequest request = planned.plan.request;
-  request.process = process_of(scan.chosen);
+  if (scan.chosen.rework)
+    request.process.only = pieces_of(*scan.chosen.rework);
+  else
+    request.process = process_of(scan.chosen);
   BITELINE_ASSIGN(request.mounted, mounted(request.process));
   request.table_z_mm = request.mounted.table_z_mm.value_or(robot_->options.table_z_mm);
   cloud::ClosedLine line = request.line;
@@ -179,33 +203,32 @@ std::string Service::leave_step(const Scan& scan) const {
   const std::string& before = scan.chosen.follows;
   if (before.empty()) return {};
   tell_next_scan(before, scan.folder.filename().string(), false);
-  const std::string words =
-      before + " is not worked with " + scan.chosen.process_name + ": a person has ended it";
+  const std::string words = not_worked(scan.chosen) + ": a person has ended it";
   operator_control_->show_work(words, true);
   keep_asking(words);
-  operator_control_->enter(CellEvent::AsksPerson);
   return words;
 }
 
-Service::Worked Service::begin_step(AfterWork after) {
-  const std::string before = after.name(), process = after.scan.chosen.following.front().process.name;
-  operator_control_->show("plans what follows for " + before + ": " + process, "the arm works it");
+Service::Worked Service::begin_step(AfterWork after, std::optional<Missing> rework) {
+  const std::string before = after.name();
+  const std::string how = rework ? "once more" : "with " + after.scan.chosen.following.front().process.name;
+  operator_control_->show("plans what follows for " + before + ": it is worked " + how, "the arm works it");
   Result<ExitStatus> status = without_exceptions([&]() -> Result<ExitStatus> {
-    BITELINE_TRY(take_step(after));
+    BITELINE_TRY(take_step(after, std::move(rework)));
     operator_control_->works(after.name());
     BITELINE_TRY(plan_step(after));
     return after.planned.plan.status;
   });
   const fs::path folder = after.scan.folder;
   const std::string name = after.name();
-  const auto leave = [&](Result<ExitStatus> how, const std::string& why) {
+  const auto leave = [&](Result<ExitStatus> ended, const std::string& why) {
     tell_next_scan(before, name, false);
-    Worked worked = close_result({.status = std::move(how)}, folder, after.scan.chosen);
-    return ask_a_person(std::move(worked), before + " is not worked with " + process + ": " + why);
+    Worked worked = close_result({.status = std::move(ended)}, folder, after.scan.chosen);
+    return ask_a_person(std::move(worked), before + " is not worked " + how + ": " + why);
   };
   if (!status) return leave(status, to_line(status.error()));
   tell_next_scan(before, name, true);
-  log_step("%s: %s follows %s", name.c_str(), process.c_str(), before.c_str());
+  log_step("%s: %s is worked %s", name.c_str(), before.c_str(), how.c_str());
   const NextStep next = next_of_step(after);
   if (next.next == Next::Keep) return leave(status, "no path: " + after.planned.plan.outcome.reason());
   if (next.next == Next::Refuse) return leave(ExitStatus::Refused, next.why);
@@ -235,8 +258,7 @@ Service::Worked Service::follow_step(AfterWork after) {
     tell_next_scan(before, folder.filename().string(), false);
     Worked worked = close_result(std::move(out), folder, chosen);
     const std::string why = worked.end.told.reason;
-    return ask_a_person(std::move(worked),
-                        before + " is not worked with " + chosen.process_name + ": " + why);
+    return ask_a_person(std::move(worked), not_worked(chosen) + ": " + why);
   }
   if (out.status && *out.status == ExitStatus::Done && goes_on_after(chosen))
     out.after = AfterWork{.scan = std::move(after.scan), .planned = std::move(after.planned)};

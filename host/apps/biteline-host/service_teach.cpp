@@ -20,6 +20,12 @@ Service::Chosen Service::chosen_anew(const Chosen& before) {
 Service::Worked Service::plan_with(HeldScan held, const std::string& process, const std::string& who) {
   Chosen& chosen = held.scan.chosen;
   Planned& planned = *held.planned();
+  if (chosen.rework) {
+    Error error = fail(Errc::WrongState, "%s works once more what is missing, with its own process alone",
+                       held.name().c_str())
+                      .value();
+    return wait_on(std::move(held), std::move(error));
+  }
   operator_control_->show("plans the path of " + held.name() + " with " + process, "a person decides");
   Result<ExitStatus> status = without_exceptions([&]() -> Result<ExitStatus> {
     // The path of another process is not what was asked for, also where this one cannot be read.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A shoe that was worked is looked at once more; what is missing is worked once more, and looked at again.
+// A shoe that was worked is looked at once more; what is missing becomes a step of its own, looked at again.
 #include <algorithm>
 #include <utility>
 
@@ -18,7 +18,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* k_rework_folder = "rework";
+/// WorkBook::next of a rework, in place of a process.
+constexpr const char* k_once_more = "once more";
 /// In the memory's settings: why a person must look before the next scan.
 constexpr const char* k_asks_key = "look_by_a_person";
 
@@ -37,6 +38,8 @@ void close_book(WorkBook& book) {
     book.told = report::told(
         Refusal{.code = Refused::WorkNotLookedAt,
                 .reason = "not looked at: the service ended between the work and the look at it"});
+  } else if (book.work.verdict == k_faulty) {
+    book.told.reason += "; the service ended before it was worked " + next;
   } else {
     book.told = report::told(
         Refusal{.code = Refused::SequenceCut,
@@ -62,8 +65,10 @@ Result<ExitStatus> Service::follow_and_owe_look(const fs::path& folder, const Ch
   BITELINE_TRY(write_work(folder, book));
   Result<ExitStatus> status = follow();
   const bool done = status && *status == ExitStatus::Done;
-  if (!chosen.follows.empty() && was_sent(folder))
+  if (!chosen.follows.empty() && was_sent(folder)) {
     tell_next_scan(chosen.follows, folder.filename().string(), false);
+    if (chosen.rework) tell_reworked(chosen.follows);
+  }
   if (!done || !goes_on_after(chosen)) {
     forget_work(folder);
   } else if (!looks) {
@@ -95,7 +100,7 @@ Result<void> Service::begin_inspection(const intake::Hello& hello) {
 
 void Service::give_up_inspection(const std::string& why) {
   begin_result(after_->name(), [this, why, after = std::move(*after_)]() mutable {
-    const WorkBook book{.work = {.verdict = {}, .reworked = after.reworked}, .looks = after.looks};
+    const WorkBook book{.looks = after.looks};
     return end_unlooked(std::move(after), book, why);
   });
   after_.reset();
@@ -104,7 +109,7 @@ void Service::give_up_inspection(const std::string& why) {
 Service::Worked Service::inspect_work(AfterWork after, Scan look) {
   const std::string name = after.name();
   operator_control_->show("compares what was done to " + name, "what is missing");
-  WorkBook book{.work = {.verdict = {}, .reworked = after.reworked}, .looks = after.looks};
+  WorkBook book{.looks = after.looks};
   std::string why_not;
   std::optional<Inspected> seen;
   const Result<ExitStatus> done = without_exceptions([&]() -> Result<ExitStatus> {
@@ -124,12 +129,12 @@ Service::Worked Service::inspect_work(AfterWork after, Scan look) {
   if (!why_not.empty()) return end_unlooked(std::move(after), book, why_not);
   book.looks = ++after.looks;
   book.work = work_of(seen->findings, seen->judged.status);
-  book.work.reworked = after.reworked;
   book.told = seen->judged.told;
   log_step("%s: %s", name.c_str(), in_one_line(look::summary(seen->findings)).c_str());
-  const bool may =
-      taken_of(after.scan.chosen).process.after_work == path::AfterWork::Rework && !after.reworked;
-  if (may && book.work.verdict == "faulty" && *book.work.missing_mm > 0)
+  const Chosen& chosen = after.scan.chosen;
+  const bool may = taken_of(chosen).process.after_work == path::AfterWork::Rework && !chosen.rework;
+  const bool ran_out = book.told.reason_code == report::refusal_row(second_look::Settle::WorkRanOut).name;
+  if (may && !ran_out && book.work.verdict == k_faulty && *book.work.missing_mm > 0)
     return rework(std::move(after), *seen, std::move(book));
   return end_work(std::move(after), std::move(book), done);
 }
@@ -142,19 +147,27 @@ Result<Service::Inspected> Service::inspect_files(const AfterWork& after, const 
                   report.timed("read", [&] { return cloud::read_cloud(after.scan.folder / "cloud.ply"); }));
   const cloud::ClosedLine& line = after.planned.plan.request.line;
   Inspected inspected{.at = at};
-  BITELINE_ASSIGN(inspected.plan, look::planned_band(line, process_of(after.scan.chosen), {}));
-  const path::PlannedPath& path = after.planned.plan.outcome.path->path();
-  inspected.plan.middle_base = look::middle_of(path);
-  if (const auto seam = look::seam_of(path, line)) inspected.plan.twice.push_back(*seam);
+  const Chosen& chosen = after.scan.chosen;
+  if (chosen.rework) {
+    // All of the band, and not its pieces alone.
+    inspected.plan = chosen.rework->band;
+  } else {
+    BITELINE_ASSIGN(inspected.plan, look::planned_band(line, process_of(chosen), {}));
+    const path::PlannedPath& path = after.planned.plan.outcome.path->path();
+    inspected.plan.middle_base = look::middle_of(path);
+    if (const auto seam = look::seam_of(path, line)) inspected.plan.twice.push_back(*seam);
+  }
   inspected.findings =
       report.timed("compare", [&] { return second_look::look_again(first, seen, line, inspected.plan); });
   BITELINE_TRY(cloud::write_cloud(folder / "cloud.ply", seen));
   look::LookOf of{.first = after.name(),
                   .second = folder.filename().string(),
                   .line_sha256 = {},
-                  .process_sha256 = taken_of(after.scan.chosen).sha256,
-                  .foot = after.scan.chosen.foot,
-                  .reworks = after.reworked ? 1U : 0U};
+                  .process_sha256 = taken_of(chosen).sha256,
+                  .foot = chosen.foot,
+                  .reworks = chosen.rework ? 1U : 0U,
+                  .path_end_mm = {}};
+  if (!chosen.rework) of.path_end_mm = look::end_of(after.planned.plan.outcome.path->path(), line);
   BITELINE_ASSIGN(of.line_sha256, digest_of_file(after.scan.folder / "line.csv"));
   BITELINE_ASSIGN(inspected.judged,
                   look::write_look_result(folder, inspected.findings, inspected.plan, of, report));
@@ -164,69 +177,57 @@ Result<Service::Inspected> Service::inspect_files(const AfterWork& after, const 
 }
 
 Service::Worked Service::rework(AfterWork after, const Inspected& seen, WorkBook book) {
-  const second_look::Rework pieces =
-      second_look::rework_of(seen.findings.faults, seen.plan, seen.findings.line_mm, {});
-  const auto leave = [&](const std::string& why, Result<ExitStatus> status) {
-    log_step("%s is not worked once more: %s", after.name().c_str(), why.c_str());
-    book.told.reason += "; not worked once more: " + why;
-    return end_work(std::move(after), std::move(book), std::move(status));
-  };
-  if (pieces.pieces.empty())
-    return leave("what is missing does not go away without working more than 1 mm twice", ExitStatus::Review);
-  std::string why_not;
-  const Result<ExitStatus> status =
-      without_exceptions([&] { return follow_rework(after, seen, pieces, why_not); });
-  if (status && *status == ExitStatus::Done) {
-    after.reworked = true;
-    return {.status = status, .held = {}, .end = {}, .after = std::move(after)};
+  Missing missing{
+      .pieces = second_look::rework_of(seen.findings.faults, seen.plan, seen.findings.line_mm, {}),
+      .band = seen.plan,
+      .look_sha256 = seen.sha256};
+  const std::string name = after.name();
+  if (missing.pieces.pieces.empty()) {
+    const char* why = "what is missing does not go away without working more than 1 mm twice";
+    log_step("%s is not worked once more: %s", name.c_str(), why);
+    book.told.reason.append("; not worked once more: ").append(why);
+    return end_work(std::move(after), std::move(book), ExitStatus::Review);
   }
-  const fs::path folder = after.scan.folder / k_work_folder / k_rework_folder;
-  if (!was_sent(folder)) {
-    if (!status) why_not = to_line(status.error());
-    return leave(why_not, ExitStatus::Review);
-  }
-  // The arm was on its way, and nobody knows how far it came.
-  book.work.reworked = true;
-  const std::optional<report::ToldRefusal> halt = why_not_followed(folder);
-  return end_unlooked(std::move(after), book,
-                      "what was missing was not worked to its end: " + (halt      ? halt->reason
-                                                                        : !status ? to_line(status.error())
-                                                                                  : why_not));
+  book.next = k_once_more;
+  if (const Result<void> written = write_work(after.scan.folder, book); !written) log_error(written.error());
+  static_cast<void>(remember(after.scan.folder, "open", after.scan.chosen, {.goes_on = true}));
+  log_step("%s: %zu pieces are missing, and are worked once more", name.c_str(),
+           missing.pieces.pieces.size());
+  return begin_step(std::move(after), std::move(missing));
 }
 
-Result<ExitStatus> Service::follow_rework(const AfterWork& after, const Inspected& seen,
-                                          const second_look::Rework& pieces, std::string& why_not) {
-  const std::string name = after.name();
-  const fs::path folder = after.scan.folder / k_work_folder / k_rework_folder;
-  operator_control_->show("plans what is missing of " + name, "the arm works it once more");
-  path::PlanRequest request = after.planned.plan.request;
-  for (const second_look::ReworkPiece& piece : pieces.pieces)
-    request.process.only.push_back({.from_mm = piece.along.from_mm, .to_mm = piece.along.to_mm});
-  BITELINE_ASSIGN(request.mounted, mounted(request.process));
-  request.table_z_mm = request.mounted.table_z_mm.value_or(robot_->options.table_z_mm);
-  cloud::ClosedLine line = request.line;
-  BITELINE_ASSIGN(const PlanStep plan, plan_again(folder / "path", std::move(request), std::move(line)));
-  if (!plan.outcome.path) {
-    why_not = "no path: " + plan.outcome.reason();
-    return ExitStatus::Review;
+void Service::tell_reworked(const std::string& before) const {
+  const fs::path folder = options_.out / before;
+  Result<std::optional<WorkBook>> book = read_work(folder);
+  if (book && !*book) return;
+  if (!book) return log_error(book.error());
+  (*book)->work.reworked = true;
+  (*book)->told = {};
+  if (const Result<void> written = write_work(folder, **book); !written) return log_error(written.error());
+  put_work_row(before);
+}
+
+void Service::put_work_row(const std::string& scan) const {
+  std::optional<memory::Scan> row = row_of(options_.out / scan);
+  if (!row) return;
+  if (const auto known = operator_control_->memory().scan(scan); known && *known) {
+    // What the row has besides its files stays.
+    memory::Scan kept = **known;
+    kept.work = row->work;
+    kept.reason_code = row->reason_code;
+    kept.reason = row->reason;
+    kept.next_step = row->next_step;
+    row = std::move(kept);
   }
-  // Once, whatever comes of it: before the path is sent.
-  BITELINE_TRY(
-      look::record_rework(after.scan.folder, {.look_sha256 = seen.sha256, .pieces = pieces.pieces.size()}));
-  SendRequest send = after.planned.request;
-  send.mounted = plan.request.mounted;
-  send.holds_arm = holds_arm();
-  // A person's yes was to the path before.
-  send.approved.reset();
-  send.looked = after.looked;
-  log_step("%s: %zu pieces are worked once more", name.c_str(), pieces.pieces.size());
-  operator_control_->enter(CellEvent::ArmSetsOut);
-  operator_control_->show("the arm works once more what is missing of " + name, "a look at it");
-  BITELINE_ASSIGN(const ExitStatus status, follow_path(folder, plan, send));
-  if (status == ExitStatus::Done) return status;
-  const std::optional<report::ToldRefusal> gate = why_not_followed(folder);
-  why_not = gate ? gate->reason : "the gate did not let it through";
-  return status;
+  const Result<void> put = operator_control_->memory().put_scan(*row, {.id = 0,
+                                                                       .time = memory::now_ms(),
+                                                                       .who = "service",
+                                                                       .door = {},
+                                                                       .action = "result",
+                                                                       .subject = scan,
+                                                                       .before = {},
+                                                                       .after = row->work.verdict});
+  if (!put) log_error(put.error());
 }
 
 Service::Worked Service::end_unlooked(AfterWork after, WorkBook book, const std::string& why) {
@@ -320,28 +321,7 @@ void Service::close_owed_looks() {
     const std::string name = folder.filename().string();
     close_book(**book);
     if (const Result<void> written = write_work(folder, **book); !written) log_error(written.error());
-    const Result<std::optional<memory::Scan>> known = operator_control_->memory().scan(name);
-    std::optional<memory::Scan> row = row_of(folder);
-    if (row && known && *known) {
-      // What the row has besides its files stays.
-      memory::Scan kept = **known;
-      kept.work = row->work;
-      kept.reason_code = row->reason_code;
-      kept.reason = row->reason;
-      kept.next_step = row->next_step;
-      row = std::move(kept);
-    }
-    if (row) {
-      const Result<void> put = operator_control_->memory().put_scan(*row, {.id = 0,
-                                                                           .time = memory::now_ms(),
-                                                                           .who = "service",
-                                                                           .door = {},
-                                                                           .action = "result",
-                                                                           .subject = name,
-                                                                           .before = {},
-                                                                           .after = row->work.verdict});
-      if (!put) log_error(put.error());
-    }
+    put_work_row(name);
     asks_ = name + ": " + (*book)->told.reason;
     close_held_step((*book)->next_scan, (*book)->told);
   }

@@ -21,7 +21,7 @@ constexpr const char* k_work_file = "work.json";
 const char* verdict_of(const second_look::Findings& findings, ExitStatus judged) {
   if (judged == ExitStatus::Refused) return "refused";
   if (judged == ExitStatus::Done) return k_work_ok;
-  return findings.faults.empty() ? "unsure" : "faulty";
+  return findings.faults.empty() ? "unsure" : k_faulty;
 }
 
 int number_of(const WorkJson& json, const char* key) {

@@ -21,6 +21,7 @@ inline constexpr const char* k_work_folder = "work";
 /// memory::Work::verdict until the last look is worked out.
 inline constexpr const char* k_looking = "looking";
 inline constexpr const char* k_work_ok = "ok";
+inline constexpr const char* k_faulty = "faulty";
 inline constexpr const char* k_not_looked = "not_looked";
 
 struct WorkBook {
@@ -28,7 +29,7 @@ struct WorkBook {
   int looks{0};                ///< that were worked out
   report::ToldRefusal told{};  ///< why a person must look; empty: nobody need to
   bool at_work{false};         ///< the arm was sent out, and has not come to its end yet
-  std::string next{};          ///< the process that the shoe is to be worked with then; empty: none is open
+  std::string next{};          ///< the process that the shoe is to be worked with then, or "once more"
   std::string next_scan{};     ///< its result; empty: not yet begun
 };
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "host/records/look/look_result.hpp"
 
+#include <cmath>
+
 #include "common/core/fixed_text.hpp"
 #include "host/records/look/look_files.hpp"
 
@@ -9,12 +11,38 @@ namespace {
 
 using second_look::Settle;
 
-Judged judge(const second_look::Findings& findings, bool reworked) {
+/// A gap that ends where the path does is by chance the shorter one.
+constexpr double k_ran_out_mm = 10, k_at_end_mm = 3;
+
+/// What is missing up to the path's end, with nothing behind it: an empty gun's, and a tool's that fell off.
+std::optional<double> ran_out_from(const second_look::Findings& findings, std::optional<double> end_mm) {
+  if (!end_mm) return std::nullopt;
+  for (const second_look::Fault& fault : findings.faults) {
+    if (fault.kind != second_look::FaultKind::Missing) continue;
+    const auto way_mm = [&](double from, double to) {
+      return std::fmod(to - from + findings.line_mm, findings.line_mm);
+    };
+    const double beyond_mm = std::remainder(fault.along.to_mm - *end_mm, findings.line_mm);
+    if (std::abs(beyond_mm) <= k_at_end_mm && way_mm(fault.along.from_mm, fault.along.to_mm) >= k_ran_out_mm)
+      return fault.along.from_mm;
+  }
+  return std::nullopt;
+}
+
+Judged judge(const second_look::Findings& findings, const LookOf& of) {
+  const bool reworked = of.reworks > 0;
   if (findings.refusal) return {.status = ExitStatus::Refused, .told = report::told(*findings.refusal)};
   const auto settle = [](Settle code, std::string reason) {
     return Judged{.status = ExitStatus::Review,
                   .told = report::told(report::Refusal<Settle>{.code = code, .reason = std::move(reason)})};
   };
+  if (const auto from_mm = ran_out_from(findings, of.path_end_mm))
+    return settle(
+        Settle::WorkRanOut,
+        FixedText<120>::format("nothing was left from %.0f mm to the path's end: the gun may be empty "
+                               "or clogged",
+                               *from_mm)
+            .c_str());
   if (!findings.faults.empty())
     return settle(reworked ? Settle::StillFaulty : Settle::WorkFaulty,
                   FixedText<160>::format("%zu faults along %.0f mm of work%s", findings.faults.size(),
@@ -45,7 +73,7 @@ Result<Judged> write_look_result(const std::filesystem::path& folder, const seco
     BITELINE_TRY(report::write_file_atomically(folder / "band.csv", band_table(findings)));
     BITELINE_TRY(report::write_file_atomically(folder / "band.svg", band_picture(findings, plan)));
   }
-  Judged judged = judge(findings, of.reworks > 0);
+  Judged judged = judge(findings, of);
   if (judged.status == ExitStatus::Refused) report.refuse(judged.told);
   if (judged.status == ExitStatus::Review) report.review(judged.told);
   return judged;

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "host/report/report.hpp"
@@ -17,6 +18,8 @@ struct LookOf {
   std::string line_sha256, process_sha256;
   std::string foot{};      ///< empty: nobody told it
   std::size_t reworks{0};  ///< that there were before it
+  /// Where the path meets its begin again, along the line, mm; nothing: it does not, or nobody knows.
+  std::optional<double> path_end_mm{};
 };
 
 /// Done, Review where something is missing, beside its place or not to be told, or Refused.

@@ -100,15 +100,20 @@ std::vector<Vec3> middle_of(const path::PlannedPath& path) {
   return middle;
 }
 
-std::optional<Arc> seam_of(const path::PlannedPath& path, const cloud::ClosedLine& line) {
+std::optional<double> end_of(const path::PlannedPath& path, const cloud::ClosedLine& line) {
   if (!(path.overlap_mm > 0)) return std::nullopt;
   const auto entry = std::ranges::find(path.waypoints, path::Segment::Line, &path::Waypoint::segment);
   if (entry == path.waypoints.end()) return std::nullopt;
+  return along_mm(line, entry->line_base);
+}
+
+std::optional<Arc> seam_of(const path::PlannedPath& path, const cloud::ClosedLine& line) {
+  const std::optional<double> at_mm = end_of(path, line);
+  if (!at_mm) return std::nullopt;
   const double line_mm = arc_of(line).total_mm();
-  const double at_mm = along_mm(line, entry->line_base);
   const auto on_line = [&](double mm) { return std::fmod(mm + line_mm, line_mm); };
-  return Arc{.from_mm = on_line(at_mm - k_seam_end_mm),
-             .to_mm = on_line(at_mm + path.overlap_mm + k_seam_end_mm)};
+  return Arc{.from_mm = on_line(*at_mm - k_seam_end_mm),
+             .to_mm = on_line(*at_mm + path.overlap_mm + k_seam_end_mm)};
 }
 
 }  // namespace biteline::look

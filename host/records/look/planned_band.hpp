@@ -29,6 +29,9 @@ struct BandWish {
 /// Where the path's tool goes along the line, in base: its tip, or so far before it as it stands off.
 [[nodiscard]] std::vector<Vec3> middle_of(const path::PlannedPath& path);
 
+/// Where the path ends its round and meets its begin, along the line, mm; nothing: it stays open.
+[[nodiscard]] std::optional<double> end_of(const path::PlannedPath& path, const cloud::ClosedLine& line);
+
 /// Where the path's first run meets itself, on the line; none: it stays open, or nothing is laid there twice.
 [[nodiscard]] std::optional<second_look::Arc> seam_of(const path::PlannedPath& path,
                                                       const cloud::ClosedLine& line);

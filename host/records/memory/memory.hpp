@@ -32,7 +32,7 @@ using UnixMs = std::int64_t;
 /// What a look after the work told of it.
 struct Work {
   std::string verdict;   ///< looking, ok, faulty, unsure, refused, not_looked; empty: no look was asked for
-  bool reworked{false};  ///< what was missing was worked once more before the last look
+  bool reworked{false};  ///< what is missing was worked once more: the scan that follows tells how
   std::optional<double> missing_mm{};             ///< along the line, at the last look; absent: no look told
   int narrow{0}, wide{0}, beside{0}, doubled{0};  ///< stretches
   bool operator==(const Work&) const = default;

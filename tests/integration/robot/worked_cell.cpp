@@ -2,8 +2,9 @@
 // A cell without pictures: a made shoe, scanned quickly whenever a scan is asked for, and a simulated arm
 // whose tool leaves wet glue on it while its output is on.  The next scan sees that.
 //
-//     biteline-worked-cell FOLDER [presses | GAP_MM GAP_PROGRAMS [moved]]
+//     biteline-worked-cell FOLDER [presses | gun GOOD_FOR_S THEN_RATIO | GAP_MM GAP_PROGRAMS [moved]]
 //
+// gun: after so much of full flow it gives that share alone, 0 for an empty one.
 // presses: the shoe's wall is made of springs, and the arm's force sensor has the errors of a common one.
 // GAP_MM: a gap of that length that GAP_PROGRAMS programs leave; moved: somebody moves the shoe after the
 // first scan.  Tells the controller's ports as a line of JSON, then the sensor's address, then each start.
@@ -154,8 +155,12 @@ class WorkedCell {
 int main(int argc, char** argv) {
   using namespace biteline;
   const bool presses = argc == 3 && std::string_view{argv[2]} == "presses";
-  if (argc != 2 && !presses && argc != 4 && (argc != 5 || std::string_view{argv[4]} != "moved")) {
-    std::fprintf(stderr, "usage: biteline-worked-cell FOLDER [presses | GAP_MM GAP_PROGRAMS [moved]]\n");
+  const bool gun = argc == 5 && std::string_view{argv[2]} == "gun";
+  const bool moved = argc == 5 && std::string_view{argv[4]} == "moved";
+  if (argc != 2 && !presses && argc != 4 && !gun && !moved) {
+    std::fprintf(stderr,
+                 "usage: biteline-worked-cell FOLDER [presses | gun GOOD_FOR_S THEN_RATIO | GAP_MM "
+                 "GAP_PROGRAMS [moved]]\n");
     return 2;
   }
   sim::WorkingTool tool{.work = sim::Work::WetGlue,
@@ -163,7 +168,10 @@ int main(int argc, char** argv) {
                         .digital_output = k_output,
                         .width_mm = k_width_mm,
                         .gun = {.opens_s = 0, .closes_s = 0, .metered = false}};
-  if (argc > 3) {
+  if (gun) {
+    tool.gun.good_for_s = std::atof(argv[3]);
+    tool.gun.then_ratio = std::atof(argv[4]);
+  } else if (argc > 3) {
     const double gap_mm = std::atof(argv[2]);
     tool.gap = sim::OutlinePart{.from_s_mm = k_gap_middle_mm - gap_mm / 2, .length_mm = gap_mm};
     tool.gap_programs = std::atoi(argv[3]);
@@ -173,7 +181,7 @@ int main(int argc, char** argv) {
       .places = sim::places_within_reach_of("ur10e"),
       .holder = sim::Holder::Bracket};
   const std::filesystem::path folder{argv[1]};
-  WorkedCell cell{settings, tool, argc > 4};
+  WorkedCell cell{settings, tool, moved};
   return test::run_scan_server("biteline-worked-cell", [&]() -> Result<test::ScanServer> {
     BITELINE_TRY(cell.open(presses));
     cell.tell();
