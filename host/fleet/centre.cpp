@@ -55,15 +55,19 @@ std::optional<std::string> array_of(const std::optional<memory::Places>& places)
 constexpr const char* k_put_shoe = R"sql(
 INSERT INTO shoes (cell, book, scan, first_seq, last_seq, time, model, verdict, reason_code, reason, length_mm,
   confidence, u95_mm, cycle_s, process, decision, sent, followed, places, release, stub,
-  part, foot, size)
+  part, foot, size, follows, work, work_reworked, work_missing_mm, work_narrow, work_wide, work_beside,
+  work_doubled)
 VALUES ($1, $2, $3, $4, $4, to_timestamp($5::bigint / 1000.0), $6, $7, $8, $9, $10, $11, $12, $13, $14, $15, $16, $17,
-  $18::real[], $19, $20, $21, $22, $23)
+  $18::real[], $19, $20, $21, $22, $23, $24, $25, $26, $27, $28, $29, $30, $31)
 ON CONFLICT (cell, book, scan) DO UPDATE SET last_seq = excluded.last_seq, time = excluded.time,
   model = excluded.model, verdict = excluded.verdict, reason_code = excluded.reason_code, reason = excluded.reason,
   length_mm = excluded.length_mm, confidence = excluded.confidence, u95_mm = excluded.u95_mm,
   cycle_s = excluded.cycle_s, process = excluded.process, decision = excluded.decision, sent = excluded.sent,
   followed = excluded.followed, places = excluded.places, release = excluded.release, stub = excluded.stub,
-  part = excluded.part, foot = excluded.foot, size = excluded.size
+  part = excluded.part, foot = excluded.foot, size = excluded.size, follows = excluded.follows,
+  work = excluded.work, work_reworked = excluded.work_reworked, work_missing_mm = excluded.work_missing_mm,
+  work_narrow = excluded.work_narrow, work_wide = excluded.work_wide, work_beside = excluded.work_beside,
+  work_doubled = excluded.work_doubled
 )sql";
 /// Their reasons, for so many of a cell; the rows themselves stay.
 constexpr int k_most_dead_letters = 1000;
@@ -107,7 +111,9 @@ void put(pqxx::transaction_base& work, const FromCell& one) {
                    text_of(scan.reason), scan.length_mm, scan.confidence, scan.u95_mm, scan.cycle_s,
                    text_of(scan.process), text_of(scan.decision), scan.sent, scan.followed.value_or(false),
                    array_of(shoe.places), text_of(shoe.release), !shoe.fault.empty(), text_of(scan.part),
-                   text_of(scan.foot), text_of(scan.size));
+                   text_of(scan.foot), text_of(scan.size), text_of(scan.follows), text_of(scan.work.verdict),
+                   scan.work.reworked, scan.work.missing_mm, scan.work.narrow, scan.work.wide,
+                   scan.work.beside, scan.work.doubled);
   if (!shoe.fault.empty()) put_dead_letter(work, one);
 }
 
@@ -273,7 +279,8 @@ Result<std::vector<CellRow>> Centre::cells() {
              "count(*) FILTER (WHERE verdict = 'refused'), "
              "count(*) FILTER (WHERE verdict NOT IN ('ok', 'amber', 'review', 'refused')), "
              "(extract(epoch FROM max(time)) * 1000)::bigint, count(*) FILTER (WHERE verdict = 'review') "
-             "FROM cells LEFT JOIN shoes ON shoes.cell = cells.cell GROUP BY cells.cell ORDER BY "
+             "FROM cells LEFT JOIN shoes ON shoes.cell = cells.cell AND follows = '' GROUP BY cells.cell "
+             "ORDER BY "
              "cells.cell")) {
       CellRow cell;
       cell.cell = row[0].as<std::string>();

@@ -33,7 +33,8 @@ constexpr std::array k_texts{TextField{"model", &memory::Scan::model, bounds::k_
 /// Cells of before these were told say none of them.
 constexpr std::array k_newer_texts{TextField{"part", &memory::Scan::part, bounds::k_name},
                                    TextField{"foot", &memory::Scan::foot, bounds::k_choice},
-                                   TextField{"size", &memory::Scan::size, bounds::k_size}};
+                                   TextField{"size", &memory::Scan::size, bounds::k_size},
+                                   TextField{"follows", &memory::Scan::follows, bounds::k_name}};
 struct NumberField {
   const char* key;
   std::optional<double> memory::Scan::*number;
@@ -41,6 +42,16 @@ struct NumberField {
 constexpr std::array k_numbers{
     NumberField{"length_mm", &memory::Scan::length_mm}, NumberField{"confidence", &memory::Scan::confidence},
     NumberField{"u95_mm", &memory::Scan::u95_mm}, NumberField{"cycle_s", &memory::Scan::cycle_s}};
+
+struct CountField {
+  const char* key;
+  int memory::Work::*count;
+};
+constexpr std::array k_work_counts{
+    CountField{"work_narrow", &memory::Work::narrow}, CountField{"work_wide", &memory::Work::wide},
+    CountField{"work_beside", &memory::Work::beside}, CountField{"work_doubled", &memory::Work::doubled}};
+/// Of a line no more are told apart.
+constexpr std::int64_t k_most_stretches = 1'000'000;
 
 /// Of a row whose scan has no name that could be one.
 std::string name_of_row(std::int64_t seq) {
@@ -169,6 +180,8 @@ memory::Scan fitted(const memory::Scan& scan, std::int64_t seq) {
   for (const NumberField& field : k_numbers) {
     if (out.*field.number && !std::isfinite(*(out.*field.number))) (out.*field.number).reset();
   }
+  out.work.verdict = bounds::fitted(scan.work.verdict, bounds::k_choice);
+  if (out.work.missing_mm && !std::isfinite(*out.work.missing_mm)) out.work.missing_mm.reset();
   return out;
 }
 
@@ -187,6 +200,10 @@ std::string to_text(const ShoeMessage& shoe) {
   for (const TextField& field : k_newer_texts) json[field.key] = scan.*field.text;
   for (const NumberField& field : k_numbers)
     json[field.key] = scan.*field.number ? Json(*(scan.*field.number)) : Json{};
+  json["work"] = scan.work.verdict;
+  json["work_reworked"] = scan.work.reworked;
+  json["work_missing_mm"] = scan.work.missing_mm ? Json(*scan.work.missing_mm) : Json{};
+  for (const CountField& field : k_work_counts) json[field.key] = std::max(0, scan.work.*field.count);
   if (shoe.places && are_places(*shoe.places)) json["places"] = *shoe.places;
   return dump(json);
 }
@@ -223,6 +240,15 @@ Result<ShoeMessage> read_shoe(std::string_view text) {
   for (const NumberField& field : k_numbers) shoe.scan.*field.number = reader.number_if(field.key);
   shoe.scan.sent = reader.truth("sent");
   shoe.scan.followed = reader.truth("followed");
+  // Cells of before it was told say nothing of the work.
+  if (reader.find("work") != nullptr) {
+    shoe.scan.work.verdict = reader.text("work", bounds::k_choice);
+    shoe.scan.work.reworked = reader.truth("work_reworked");
+    shoe.scan.work.missing_mm = reader.number_if("work_missing_mm");
+    for (const CountField& field : k_work_counts)
+      shoe.scan.work.*field.count =
+          static_cast<int>(std::min<std::int64_t>(reader.whole(field.key), k_most_stretches));
+  }
   // Cells of before there were releases do not say it.
   if (reader.find("release") != nullptr) shoe.release = reader.text("release", bounds::k_name);
   shoe.places = read_places(reader);

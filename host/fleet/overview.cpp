@@ -25,6 +25,8 @@ std::string zone_of_process() {
 
 /// A scan that a person ended on its way says nothing of a shoe.
 constexpr const char* k_no_stopped = " AND NOT (verdict = 'refused' AND reason_code = 'stopped_by_a_person')";
+/// What works on with a shoe is no other one.
+constexpr const char* k_shoes = " AND follows = ''";
 constexpr const char* k_stopped = " AND verdict = 'refused' AND reason_code = 'stopped_by_a_person'";
 constexpr const char* k_sums =
     "count(*), count(*) FILTER (WHERE verdict = 'ok'), count(*) FILTER (WHERE verdict = 'amber'), count(*) "
@@ -70,6 +72,14 @@ FleetShoe shoe_of(const pqxx::row& row) {
   scan.part = row[17].as<std::string>();
   scan.foot = row[18].as<std::string>();
   scan.size = row[19].as<std::string>();
+  scan.follows = row[20].as<std::string>();
+  scan.work = {.verdict = row[21].as<std::string>(),
+               .reworked = row[22].as<bool>(),
+               .missing_mm = number_if(row[23]),
+               .narrow = row[24].as<int>(),
+               .wide = row[25].as<int>(),
+               .beside = row[26].as<int>(),
+               .doubled = row[27].as<int>()};
   scan.decision = row[13].as<std::string>();
   scan.sent = row[14].as<bool>();
   if (scan.sent) scan.followed = row[15].as<bool>();
@@ -101,7 +111,8 @@ Result<FleetShoes> Overview::shoes(const std::string& cell, const memory::ScanFi
          ask(work,
              std::string{"SELECT id, cell, scan, (extract(epoch FROM time) * 1000)::bigint, model, verdict, "
                          "reason_code, reason, length_mm, confidence, u95_mm, cycle_s, process, decision, "
-                         "sent, followed, release, part, foot, size"} +
+                         "sent, followed, release, part, foot, size, follows, work, work_reworked, "
+                         "work_missing_mm, work_narrow, work_wide, work_beside, work_doubled"} +
                  k_where + " AND id < $9 ORDER BY id DESC LIMIT $10",
              cell, filter, before, filter.limit + 1)) {
       if (static_cast<int>(page.shoes.size()) == filter.limit) {
@@ -125,7 +136,7 @@ Result<memory::Trends> Overview::trends(const std::string& cell, const memory::S
              std::string{
                  "SELECT (extract(epoch FROM (date_trunc($9::text, (time AT TIME ZONE $10::text) - "
                  "$11::interval) + $11::interval) AT TIME ZONE $10::text) * 1000)::bigint AS bucket, "} +
-                 k_sums + k_where + k_no_stopped + " GROUP BY bucket ORDER BY bucket",
+                 k_sums + k_where + k_no_stopped + k_shoes + " GROUP BY bucket ORDER BY bucket",
              cell, filter, span, zone_of_process(), span == "hour" ? "00:00" : day.begin()))
       trends.buckets.push_back(trend_of(row, 1, row[0].as<std::int64_t>()));
     for (const pqxx::row& row : ask(work,
@@ -160,7 +171,7 @@ Result<std::vector<Group>> Overview::groups(const memory::ScanFilter& filter) {
     for (const pqxx::row& row :
          ask(work,
              std::string{"SELECT cell, model, (extract(epoch FROM min(time)) * 1000)::bigint, "} + k_sums +
-                 k_where + k_no_stopped + " GROUP BY cell, model ORDER BY model, cell",
+                 k_where + k_no_stopped + k_shoes + " GROUP BY cell, model ORDER BY model, cell",
              "", filter))
       groups.push_back({.cell = row[0].as<std::string>(),
                         .model = row[1].as<std::string>(),
@@ -175,7 +186,7 @@ Result<std::vector<LastHour>> Overview::last_hour() {
     std::vector<LastHour> cells;
     for (const pqxx::row& row : work.exec(
              "SELECT cell, count(*), count(*) FILTER (WHERE verdict = 'refused') FROM shoes WHERE time > "
-             "now() - interval '1 hour' GROUP BY cell ORDER BY cell"))
+             "now() - interval '1 hour' AND follows = '' GROUP BY cell ORDER BY cell"))
       cells.push_back({.cell = row[0].as<std::string>(),
                        .shoes = row[1].as<std::int64_t>(),
                        .refused = row[2].as<std::int64_t>()});

@@ -231,7 +231,7 @@ export class FakeCell {
     const held = this.scans.find((scan) => scan.decision === 'held');
     const sendable = this.fresh_s !== 0 && !this.not_sendable;
     const offers = held ? ['rescan', 'reject', 'process', 'mend', ...(sendable ? ['accept', 'air'] : []), ...(this.may_look ? ['look'] : [])] : ['start', 'rescan'];
-    return { ...this.state, offers, held: held ? { scan: held.id, waits_for: 'word', fresh_s: this.fresh_s, sendable, reason_code: null, reason: this.not_sendable ?? null, next_step: this.not_sendable ? 'scan the shoe again' : null } : null, control: this.control, seq: this.seq };
+    return { ...this.state, offers, held: held ? { scan: held.id, waits_for: 'word', fresh_s: this.fresh_s, sendable, reason_code: null, reason: this.not_sendable ?? null, next_step: this.not_sendable ? 'scan the shoe again' : null, tool: this.tool_wanted ?? null } : null, control: this.control, seq: this.seq };
   }
   /// As POST /commands/start with `hold`.
   begin_teaching(who) {
@@ -336,6 +336,10 @@ export class FakeCell {
     else if (name === 'tool') {
       if (mounted.tool) mounted.shelf[mounted.tool.name] = { tip: mounted.tip, payload: mounted.payload };
       mounted.tool = { ...how, name: given.name };
+      if (this.tool_wanted === given.name) {
+        this.tool_wanted = this.not_sendable = null;
+        this.push('state', this.told_state());
+      }
     } else if (name === 'payload') {
       mounted.payload = { ...how, kg: given.kg, centre_mm: given.centre_mm };
       mounted.controller = { tip_mm: [0, 0, 180], payload_kg: 0.5, payload_centre_mm: [0, 0, 20], carries_as_taught: false };

@@ -584,6 +584,18 @@ check(await anna.page.getByRole('button', { name: 'Work this shoe' }).isDisabled
 await anna.page.goto(`${address}#/live`);
 await anna.page.getByText('messages lost: 3 (0). scan the shoe again').first().waitFor();
 check(await anna.page.getByRole('button', { name: 'Accept', exact: true }).isDisabled(), 'a scan that the gate refuses may be accepted');
+// Whoever has changed the tool says so where it is asked for.
+cell.not_sendable = 'the tool gun_b is to be mounted';
+cell.tool_wanted = 'gun_b';
+cell.push('state', cell.told_state());
+await anna.page.goto(`${address}#/work`);
+const mount = anna.page.getByRole('button', { name: 'gun_b is mounted' });
+await mount.waitFor();
+await anna.page.screenshot({ path: join(pictures, 'tool_wanted_1280.png'), fullPage: true });
+await look_for_faults(anna.page, 'tool wanted');
+await mount.click();
+await anna.page.waitForFunction(() => !document.body.textContent.includes('gun_b is to be mounted'));
+check(cell.mounted.tool?.name === 'gun_b', 'the tool is not said to be mounted');
 cell.not_sendable = null;
 cell.push('state', cell.told_state());
 await anna.page.goto(`${address}#/teach`);

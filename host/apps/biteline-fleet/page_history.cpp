@@ -60,6 +60,8 @@ Answer PageApi::list_fleet_scans(const Call& call) {
                      {"part", api::or_null(scan.part)},
                      {"foot", api::or_null(scan.foot)},
                      {"size", api::or_null(scan.size)},
+                     {"follows", api::or_null(scan.follows)},
+                     {"work", api::work_json(scan.work)},
                      {"reason_code", api::or_null(scan.reason_code)},
                      {"reason", api::or_null(scan.reason)},
                      {"length_mm", api::or_null(scan.length_mm)},

@@ -355,6 +355,7 @@ void OperatorControl::show_held_locked(const HeldShown& held) {
   not_sendable_ = held.not_sendable;
   version_ = held.version;
   held_is_step_ = held.is_step;
+  held_tool_ = held.tool;
   fresh_until_.reset();
   if (held.fresh_s)
     fresh_until_ = Clock::now() +

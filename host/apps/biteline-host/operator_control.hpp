@@ -173,6 +173,7 @@ class OperatorControl final : public api::Cell {
     std::string version{};  ///< of line, cloud, process and path
     /// The shoe has work of the process before on it: after a no nothing is scanned until somebody starts.
     bool is_step{false};
+    std::string tool{};  ///< that a person has to mount first; empty: none, or it is
   };
   /// It waits until a person says a word; only what waits for a word can be accepted, and only what waits for
   /// its model can be given one.  Where somebody has said stop since its start, it does not wait.
@@ -300,6 +301,7 @@ class OperatorControl final : public api::Cell {
   Waits waits_{Waits::ForWord};                        ///< of what is held
   std::optional<Clock::time_point> fresh_until_{};     ///< of what is held
   std::string version_{};                              ///< of what is held: of line, cloud, process and path
+  std::string held_tool_{};                            ///< that is to be mounted for what is held
   bool held_is_step_{false};                           ///< of a shoe that bears work already
   std::optional<report::ToldRefusal> not_sendable_{};  ///< the same
   std::string mending_;  ///< a scan whose line is being mended, or whose path is planned anew

@@ -87,6 +87,7 @@ Json OperatorControl::held_json_locked() const {
     held["fresh_s"] = std::max(0.0, std::chrono::duration<double>(*fresh_until_ - Clock::now()).count());
   const std::optional<report::ToldRefusal> why = not_sendable_locked();
   held["version"] = api::or_null(version_);
+  held["tool"] = api::or_null(held_tool_);
   held["sendable"] = !why;
   held["reason_code"] = why ? api::or_null(why->reason_code) : Json{};
   held["reason"] = why ? Json(why->reason) : Json{};

@@ -140,6 +140,8 @@ std::optional<memory::Scan> row_of(const fs::path& folder) {
   if (scan.part.empty()) scan.part = marked_part(folder);
   scan.foot = text_of(report, "foot");
   scan.size = text_of(report, "size");
+  if (const auto follows = report.find("follows"); follows != report.end() && follows->is_object())
+    scan.follows = text_of(*follows, "scan");
   if (const auto account = report.find("scan"); account != report.end())
     scan.scan_s = number_of(*account, "duration_s");
   if (const auto stages = report.find("stages"); stages != report.end() && stages->is_object()) {

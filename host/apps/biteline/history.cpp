@@ -96,6 +96,7 @@ nlohmann::ordered_json json_of(const memory::Scan& scan) {
           {"work_wide", scan.work.wide},
           {"work_beside", scan.work.beside},
           {"work_doubled", scan.work.doubled},
+          {"follows", scan.follows},
           {"operator", scan.operator_name}};
 }
 

@@ -224,7 +224,6 @@ Json or_null(const std::optional<double>& number) {
   return number ? Json(*number) : Json{};
 }
 
-/// Null where no look was asked for.
 Json work_json(const memory::Work& work) {
   if (work.verdict.empty()) return {};
   return {{"verdict", work.verdict}, {"reworked", work.reworked}, {"missing_mm", or_null(work.missing_mm)},
@@ -246,6 +245,7 @@ Json to_json(const memory::Scan& scan) {
            {"part", or_null(scan.part)},
            {"foot", or_null(scan.foot)},
            {"size", or_null(scan.size)},
+           {"follows", or_null(scan.follows)},
            {"reason_code", or_null(scan.reason_code)},
            {"reason", or_null(scan.reason)},
            {"next_step", or_null(scan.next_step)},

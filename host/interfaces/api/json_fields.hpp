@@ -63,6 +63,8 @@ struct QueryFilter {
 [[nodiscard]] bool is_foot(const std::string& text);  ///< left or right
 
 /// `ScanRow`, `LogEntry` and `User`.
+/// Null where no look was asked for.
+[[nodiscard]] Json work_json(const memory::Work& work);
 [[nodiscard]] Json to_json(const memory::Scan& scan);
 [[nodiscard]] Json to_json(const memory::LogRow& row);
 [[nodiscard]] Json to_json(const memory::User& user);

@@ -103,7 +103,8 @@ Result<std::string> history_csv(const Memory& memory, ScanFilter filter, const C
                                  "work_narrow",
                                  "work_wide",
                                  "work_beside",
-                                 "work_doubled"};
+                                 "work_doubled",
+                                 "follows"};
   const Cells cell{style};
   std::string csv = style.byte_mark ? "\xEF\xBB\xBF" : "";
   for (std::size_t i = 0; i < k_columns.size(); ++i) {
@@ -151,7 +152,8 @@ Result<std::string> history_csv(const Memory& memory, ScanFilter filter, const C
           count_of(scan.work, scan.work.narrow),
           count_of(scan.work, scan.work.wide),
           count_of(scan.work, scan.work.beside),
-          count_of(scan.work, scan.work.doubled)};
+          count_of(scan.work, scan.work.doubled),
+          cell.of(scan.follows)};
       for (std::size_t i = 0; i < cells.size(); ++i) {
         if (i > 0) csv += style.separator;
         csv += cells[i];

@@ -44,10 +44,11 @@ struct Scan {
   UnixMs time{0};    ///< of its end
   std::string model;
   std::optional<double> model_probability{};
-  std::string foot;                                           ///< left or right
-  std::string size;                                           ///< as its samples name it, e.g. "EU 42"
-  std::string part;                                           ///< part number of the shoe
-  std::string verdict;                                        ///< working, ok, amber, review, refused, failed
+  std::string foot;     ///< left or right
+  std::string size;     ///< as its samples name it, e.g. "EU 42"
+  std::string part;     ///< part number of the shoe
+  std::string follows;  ///< the scan of the same shoe that it works on with; empty: it is the shoe's first
+  std::string verdict;  ///< working, ok, amber, review, refused, failed
   std::string reason_code;                                    ///< of a refusal
   std::string reason;                                         ///< in words
   std::string next_step;                                      ///< what the person does next
@@ -135,7 +136,7 @@ struct PlaceSums {
   std::array<double, k_places> sum_mm{}, sum_mm2{};
 };
 struct Trends {
-  std::vector<Trend> buckets;        ///< oldest first
+  std::vector<Trend> buckets;        ///< oldest first; of shoes: what follows on the same one is in none
   std::vector<ReasonCount> reasons;  ///< most frequent first
   std::int64_t stopped{0};           ///< by a person on their way: in none of both
 };

@@ -16,7 +16,7 @@ constexpr const char* k_scan_columns =
     "weak_stretches, scan_s, line_s, cycle_s, operator, process, decision, decided_by, decided_at, sent, "
     "followed, "
     "line_version, marked, reason, next_step, why, part, foot, size, tip_bound_mm, work, "
-    "work_reworked, work_missing_mm, work_narrow, work_wide, work_beside, work_doubled";
+    "work_reworked, work_missing_mm, work_narrow, work_wide, work_beside, work_doubled, follows";
 constexpr const char* k_scan_tables = " FROM scans LEFT JOIN scan_texts ON scan = id";
 
 Scan scan_of(const Statement& row) {
@@ -57,6 +57,7 @@ Scan scan_of(const Statement& row) {
                .wide = static_cast<int>(row.integer(34)),
                .beside = static_cast<int>(row.integer(35)),
                .doubled = static_cast<int>(row.integer(36))};
+  scan.follows = row.text(37);
   return scan;
 }
 
@@ -65,8 +66,8 @@ constexpr const char* k_put_scan = R"sql(
 INSERT INTO scans (name, time, model, model_probability, verdict, reason_code, length_mm, confidence, u95_mm,
   weak_stretches, scan_s, line_s, cycle_s, operator, process, decision, decided_by, decided_at, sent, followed,
   line_version, marked, part, foot, size, tip_bound_mm, work, work_reworked, work_missing_mm, work_narrow,
-  work_wide, work_beside, work_doubled)
-VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)
+  work_wide, work_beside, work_doubled, follows)
+VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)
 ON CONFLICT (name) DO UPDATE SET time = excluded.time, model = excluded.model,
   model_probability = excluded.model_probability, verdict = excluded.verdict, reason_code = excluded.reason_code,
   length_mm = excluded.length_mm, confidence = excluded.confidence, u95_mm = excluded.u95_mm,
@@ -77,7 +78,8 @@ ON CONFLICT (name) DO UPDATE SET time = excluded.time, model = excluded.model,
   part = excluded.part, foot = excluded.foot, size = excluded.size,
   tip_bound_mm = excluded.tip_bound_mm, work = excluded.work, work_reworked = excluded.work_reworked,
   work_missing_mm = excluded.work_missing_mm, work_narrow = excluded.work_narrow,
-  work_wide = excluded.work_wide, work_beside = excluded.work_beside, work_doubled = excluded.work_doubled
+  work_wide = excluded.work_wide, work_beside = excluded.work_beside, work_doubled = excluded.work_doubled,
+  follows = excluded.follows
 )sql";
 
 Result<std::int64_t> id_of(Database& database, const std::string& name) {
@@ -118,6 +120,7 @@ Result<void> Memory::put_scan(const Scan& scan, const LogRow& event, const std::
     put.bind(scan.part).bind(scan.foot).bind(scan.size).bind(scan.tip_bound_mm);
     put.bind(scan.work.verdict).bind(scan.work.reworked ? 1 : 0).bind(scan.work.missing_mm);
     put.bind(scan.work.narrow).bind(scan.work.wide).bind(scan.work.beside).bind(scan.work.doubled);
+    put.bind(scan.follows);
     BITELINE_TRY(put.run());
     BITELINE_ASSIGN(const std::int64_t id, id_of(*database_, scan.name));
     BITELINE_ASSIGN(Statement texts,

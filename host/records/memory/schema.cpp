@@ -176,6 +176,14 @@ ALTER TABLE scans ADD COLUMN work_doubled INTEGER NOT NULL DEFAULT 0;
     R"sql(
 ALTER TABLE log ADD COLUMN link TEXT NOT NULL DEFAULT '';
 )sql",
+    // Several results for one shoe; trends count shoes, in the order of an index that has all of it.
+    R"sql(
+ALTER TABLE scans ADD COLUMN follows TEXT NOT NULL DEFAULT '';
+DROP INDEX scans_time;
+DROP INDEX scans_model_time;
+CREATE INDEX scans_time ON scans (time, verdict, reason_code, follows, length_mm, u95_mm, cycle_s);
+CREATE INDEX scans_model_time ON scans (model, time, verdict, reason_code, follows, length_mm, u95_mm, cycle_s);
+)sql",
 };
 
 Result<int> version_of(Database& database) {

@@ -58,8 +58,10 @@ void leave_out_stopped(Where& where) {
 Result<Trends> Memory::trends(const ScanFilter& filter, const FactoryDay& day, Span span) const {
   const std::lock_guard lock{*mutex_};
   Trends trends;
-  Where where = where_of(filter), stopped = where;
-  leave_out_stopped(where);
+  Where all = where_of(filter), stopped = all;
+  leave_out_stopped(all);
+  Where where = all;
+  where.add("follows = ?", std::string{});
   stopped.add("verdict = ?", std::string{"refused"});
   stopped.add("reason_code = ?", std::string{k_stopped_by_a_person});
   BITELINE_ASSIGN(Statement count, database_->prepare("SELECT count(*) FROM scans" + stopped.sql));
@@ -86,7 +88,7 @@ Result<Trends> Memory::trends(const ScanFilter& filter, const FactoryDay& day, S
     bucket.add(rows);
   }
   if (bucket.trend.scans > 0) trends.buckets.push_back(bucket.close());
-  Where refused = where;
+  Where refused = all;
   refused.add("reason_code > ?", std::string{});
   BITELINE_ASSIGN(Statement reasons, database_->prepare("SELECT reason_code, count(*) FROM scans" +
                                                         refused.sql + " GROUP BY 1 ORDER BY 2 DESC, 1"));

@@ -62,12 +62,24 @@ def api_as_viewer(factory):
     assert len(refused) == 6 and all(row["verdict"] == "refused" for row in refused), refused
     one = ask("GET", "/fleet/scans?cell=cell-2&part=A-2", token)[1]["scans"]
     assert [(row["id"], row["part"], row["foot"], row["size"]) for row in one] == [("scan-0002", "A-2", "left", "EU 42")], one
+    assert one[0]["work"] is None and one[0]["follows"] is None, one
+    worked = ask("GET", "/fleet/scans?cell=cell-2&part=A-6", token)[1]["scans"][0]["work"]
+    assert worked == {"verdict": "faulty", "reworked": True, "missing_mm": 6.5, "narrow": 2, "wide": 0, "beside": 0, "doubled": 0}, worked
     begin = ask("GET", "/fleet/scans?cell=cell-2&part=A-2*", token)[1]["scans"]
     assert sorted(row["part"] for row in begin) == sorted(["A-2", *(f"A-{number}" for number in range(20, 30))]), begin
     trends = ask("GET", "/fleet/trends?cell=cell-2&bucket=week", token)[1]["buckets"]
     assert sum(one["scans"] for one in trends) == 30 and trends[0]["cycle_s"] == 12.5, trends
     groups = {(row["model"], row["cell"]): row for row in ask("GET", "/fleet/groups", token)[1]["groups"]}
     assert groups["boot", "cell-2"]["scans"] == groups["runner", "cell-2"]["scans"] == 15, groups
+    # What works on with a shoe is no other one.
+    factory.sql("UPDATE shoes SET follows = 'scan-0027' WHERE cell = 'cell-2' AND scan = 'scan-0028'")
+    trends = ask("GET", "/fleet/trends?cell=cell-2&bucket=week", token)[1]["buckets"]
+    assert sum(one["scans"] for one in trends) == 29, trends
+    groups = {(row["model"], row["cell"]): row for row in ask("GET", "/fleet/groups", token)[1]["groups"]}
+    assert groups["boot", "cell-2"]["scans"] == 14, groups
+    cells = {row["cell"]: row for row in ask("GET", "/fleet/cells", token)[1]["cells"]}
+    assert cells["cell-2"]["scans"] == 29, cells
+    factory.sql("UPDATE shoes SET follows = '' WHERE cell = 'cell-2'")
     for path in ("/fleet/trends?bucket=year", "/fleet/scans?limit=x"):
         assert ask("GET", path, token)[0] == 400, path
     factory.kill("database")

@@ -179,6 +179,7 @@ ORDINARY_TIMED_TEST(ServiceWork, AGapIsFoundAndWorkedOnceMore) {
   CHECK(again.followed.value_or(false) && !again.work.reworked);
   DOUBLES_EQUAL(0, again.work.missing_mm.value_or(-1), 1e-9);
   STRCMP_EQUAL("", again.reason_code.c_str());
+  STRCMP_EQUAL("scan-0001", again.follows.c_str());
   CHECK(!fs::exists(results() / "scan-0003"));
   // In truth, too: all is covered, and beside the seam no more than 1 mm at either end of the gap lies twice,
   // a profile's way and a place's in the truth taken off.
@@ -434,6 +435,35 @@ ORDINARY_TIMED_TEST(ServiceWork, AServiceThatDiedBetweenTwoProcessesWorksNothing
   STRCMP_CONTAINS("second film", row().reason.c_str());
   STRCMP_EQUAL("open", row("scan-0002").decision.c_str());
   CHECK(!row("scan-0002").sent);
+}
+
+/// The arm's own program ends without its host; what lies on the shoe nobody knows.
+ORDINARY_TIMED_TEST(ServiceWork, AServiceThatDiedWhileTheNextProcessIsWorkedWorksNothingAgain) {
+  begin_cell({});
+  save_second({});
+  const std::string next = "next_process: second\n";
+  {
+    ChildProcess host = start({"--control", "tcp://127.0.0.1:0"}, {}, next);
+    Page page{address_told(host)};
+    page.begin();
+    const auto until = std::chrono::steady_clock::now() + k_patience;
+    const auto second_is_worked = [&] {
+      return fs::exists(results() / "scan-0002/gate.json") &&
+             page.ask("GET", "/state").body["phase"] == "following";
+    };
+    while (!second_is_worked() && std::chrono::steady_clock::now() < until) std::this_thread::sleep_for(20ms);
+    ::kill(host.pid(), SIGKILL);
+    SUCCEEDS(host.wait(k_patience));
+  }
+  CHECK(!fs::exists(results() / "scan-0002/followed.json"));
+  ChildProcess again = start({"--control", "tcp://127.0.0.1:0"}, {}, next);
+  std::string said;
+  while (const auto line = again.next_line(2s)) said += *line + "\n";
+  STRCMP_CONTAINS("no scan is asked for before a person has looked", said.c_str());
+  CHECK_TEXT(said.find("sends the path") == std::string::npos, said.c_str());
+  STRCMP_EQUAL("work_not_looked_at", row("scan-0002").reason_code.c_str());
+  CHECK(row("scan-0002").sent);
+  STRCMP_EQUAL("ok", row().work.verdict.c_str());
 }
 
 TEST(ServiceWork, ProcessesThatDoNotGoTogetherAreRefusedBeforeAnythingMoves) {

@@ -15,7 +15,7 @@ import type {
 import { type Word, amount, number, t, t_or } from '../words';
 import { call, query } from './api';
 import { use_pages } from './pages';
-import { Chart, Failure, Table, Verdict, shoe_words } from './parts';
+import { Chart, Failure, Table, Verdict, shoe_words, work_words } from './parts';
 import { act, may, read_state, time_words, use_reading, use_store } from './store';
 
 export const fleet_views = ['cells', 'shoes', 'releases', 'people', 'log'] as const;
@@ -264,6 +264,7 @@ function Shoes({ first_cell }: { first_cell: string }): JSX.Element {
             t('model'),
             t('shoe'),
             t('reason'),
+            t('work'),
             t('length'),
             'U95',
             t('cycle'),
@@ -286,6 +287,7 @@ function Shoes({ first_cell }: { first_cell: string }): JSX.Element {
                   ? t_or(`reason_${shoe.reason_code}`, shoe.reason_code)
                   : (shoe.reason ?? '–')}
               </td>
+              <td>{shoe.work ? work_words(shoe.work) : '–'}</td>
               <td>{amount(shoe.length_mm, 'mm', 1)}</td>
               <td>{amount(shoe.u95_mm, 'mm', 2)}</td>
               <td>{amount(shoe.cycle_s, 's', 1)}</td>

@@ -3,7 +3,8 @@
 import type { JSX } from 'preact';
 import { useEffect, useState } from 'preact/hooks';
 import { number, t } from '../words';
-import { offered, use_store } from './store';
+import { call } from './api';
+import { act, holds_control, may, offered, use_store } from './store';
 
 /// Seconds left, 0 when it is too old; null: no scan waits with a path, or nobody saw it come in.
 export function use_fresh(): number | null {
@@ -39,7 +40,23 @@ export function NotSendable({ scan }: { scan: string }): JSX.Element | null {
   const sendable = use_sendable(scan);
   if (held?.scan !== scan || sendable) return null;
   return (
-    <p class="notice look">{held.reason ? `${held.reason}. ${held.next_step ?? ''}` : t('fresh_over')}</p>
+    <>
+      <p class="notice look">{held.reason ? `${held.reason}. ${held.next_step ?? ''}` : t('fresh_over')}</p>
+      {held.tool && <MountTool name={held.tool} />}
+    </>
+  );
+}
+
+/// Whoever has changed the tool says so where it is asked for.
+function MountTool({ name }: { name: string }): JSX.Element {
+  return (
+    <button
+      type="button"
+      disabled={!may('operator') || !holds_control()}
+      onClick={() => void act(t('mounted_tool_is', { name }), () => call('PUT', '/mounted/tool', { name }))}
+    >
+      {t('mounted_tool_is', { name })}
+    </button>
   );
 }
 

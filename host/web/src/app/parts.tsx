@@ -3,8 +3,8 @@
 import type { ComponentChildren, JSX } from 'preact';
 import { useEffect, useRef, useState } from 'preact/hooks';
 import uPlot from 'uplot';
-import type { ScanRow } from 'openapi';
-import { locale, t, t_or, time_zone } from '../words';
+import type { ScanRow, Work } from 'openapi';
+import { locale, number, t, t_or, time_zone } from '../words';
 
 /// A shape before the word: a verdict is never told by colour alone.
 export const verdict_signs: Record<string, string> = {
@@ -33,6 +33,16 @@ export function shoe_words(shoe: {
 }): string {
   const words = [shoe.part, shoe.foot && t(shoe.foot), shoe.size].filter(Boolean);
   return words.length > 0 ? words.join(', ') : '–';
+}
+
+/// What a look after the work told, in one line.
+export function work_words(work: Work): string {
+  const counts = (['narrow', 'wide', 'beside', 'doubled'] as const)
+    .filter((kind) => work[kind] > 0)
+    .map((kind) => `${work[kind]} × ${t(`work_${kind}`)}`);
+  const missing = work.missing_mm ? [`${t('work_missing')} ${number(work.missing_mm, 1)} mm`] : [];
+  const again = work.reworked ? [t('work_reworked')] : [];
+  return [t(`work_${work.verdict}`), ...missing, ...counts, ...again].join(', ');
 }
 
 export function Figures({ rows }: { rows: [string, ComponentChildren][] }): JSX.Element {

@@ -10,7 +10,7 @@ import { base, file_address, query } from './api';
 import { Decide } from './live';
 import { Mend } from './mend';
 import { use_pages } from './pages';
-import { Chart, Failure, Figures, Table, Verdict, shoe_words } from './parts';
+import { Chart, Failure, Figures, Table, Verdict, shoe_words, work_words } from './parts';
 import { WorkAgain } from './rerun';
 import { use_view } from './scan_view';
 import { may, time_words, use_reading } from './store';
@@ -249,16 +249,6 @@ function TrendView(props: { from?: string; to?: string; model: string }): JSX.El
   );
 }
 
-/// What a look after the work told, in one line.
-function work_words(work: NonNullable<Scan['work']>): string {
-  const counts = (['narrow', 'wide', 'beside', 'doubled'] as const)
-    .filter((kind) => work[kind] > 0)
-    .map((kind) => `${work[kind]} × ${t(`work_${kind}`)}`);
-  const missing = work.missing_mm ? [`${t('work_missing')} ${number(work.missing_mm, 1)} mm`] : [];
-  const again = work.reworked ? [t('work_reworked')] : [];
-  return [t(`work_${work.verdict}`), ...missing, ...counts, ...again].join(', ');
-}
-
 /// How the tool pressed: mean, least and largest force, and which share of it was as it should be.
 function force_words(follow: Scan['follow']): string | null {
   const force = follow?.['force'] as Record<string, number> | undefined;
@@ -315,6 +305,7 @@ export function OneScan({ id }: { id: string }): JSX.Element {
               ],
               ...(pressed ? [[t('field_force'), pressed] as [string, string]] : []),
               ...(scan.work ? [[t('work'), work_words(scan.work)] as [string, string]] : []),
+              ...(scan.follows ? [[t('same_shoe_as'), scan.follows] as [string, string]] : []),
               [
                 t('times'),
                 `${t('scan')} ${number(scan.scan_s, 1)} s, ${t('layer_line')} ${number(scan.line_s, 2)} s, ${t('cycle')} ${number(scan.cycle_s, 1)} s`,

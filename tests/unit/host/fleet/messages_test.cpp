@@ -22,6 +22,14 @@ ShoeMessage made() {
   shoe.scan.model = "boot";
   shoe.scan.verdict = "refused";
   shoe.scan.part = "A-17";
+  shoe.scan.follows = "scan-0041";
+  shoe.scan.work = {.verdict = "faulty",
+                    .reworked = true,
+                    .missing_mm = 6.5,
+                    .narrow = 1,
+                    .wide = 2,
+                    .beside = 3,
+                    .doubled = 4};
   shoe.scan.foot = "left";
   shoe.scan.size = "EU 42";
   shoe.scan.reason_code = "too_short";
@@ -51,6 +59,8 @@ TEST(FleetMessages, ShoeComesThroughUnchanged) {
   STRCMP_EQUAL("A-17", back->scan.part.c_str());
   STRCMP_EQUAL("left", back->scan.foot.c_str());
   STRCMP_EQUAL("EU 42", back->scan.size.c_str());
+  STRCMP_EQUAL("scan-0041", back->scan.follows.c_str());
+  CHECK(back->scan.work == made().scan.work);
 }
 
 TEST(FleetMessages, TextThatIsNoUtf8IsSentCleaned) {
@@ -76,9 +86,9 @@ TEST(FleetMessages, WhateverAMemoryHoldsTheCentreReadsItWhole) {
     for (const double number : numbers) {
       ShoeMessage shoe = made();
       memory::Scan& scan = shoe.scan;
-      for (std::string* one :
-           {&scan.name, &scan.model, &scan.verdict, &scan.reason_code, &scan.reason, &scan.process,
-            &scan.decision, &shoe.release, &scan.part, &scan.foot, &scan.size})
+      for (std::string* one : {&scan.name, &scan.model, &scan.verdict, &scan.reason_code, &scan.reason,
+                               &scan.process, &scan.decision, &shoe.release, &scan.part, &scan.foot,
+                               &scan.size, &scan.follows, &scan.work.verdict})
         *one = text;
       scan.length_mm = scan.confidence = scan.u95_mm = scan.cycle_s = number;
       scan.time = std::isinf(number) ? std::numeric_limits<std::int64_t>::max() : -1;
@@ -116,8 +126,9 @@ TEST(FleetMessages, FaultNamesTheFieldAndTheRestStands) {
         continue;
       }
       SUCCEEDS(read);
-      // Older cells name no release, and not whose shoe it was.
-      const bool told_later = key == "release" || key == "part" || key == "foot" || key == "size";
+      // Older cells name no release, not whose shoe it was, and nothing of its work.
+      const bool told_later = key == "release" || key == "part" || key == "foot" || key == "size" ||
+                              key == "follows" || key == "work";
       const bool older =
           missing && (told_later || key == "places" || value.is_null() || value.is_number_float());
       if (!older) STRCMP_CONTAINS(key.c_str(), read->fault.c_str());

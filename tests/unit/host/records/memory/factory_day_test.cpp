@@ -191,9 +191,9 @@ TEST(FactoryDay, TrendsAndTablesGoByIt) {
   SUCCEEDS(csv);
   STRCMP_CONTAINS(
       ",reason,local_time,day,part,foot,size,ended_by,tip_bound_mm,work,work_reworked,"
-      "work_missing_mm,work_narrow,work_wide,work_beside,work_doubled\r\n",
+      "work_missing_mm,work_narrow,work_wide,work_beside,work_doubled,follows\r\n",
       csv->c_str());
-  STRCMP_CONTAINS(",2026-11-27 08:30:00,2026-11-27,,,,,,,,,,,,\r\n", csv->c_str());
+  STRCMP_CONTAINS(",2026-11-27 08:30:00,2026-11-27,,,,,,,,,,,,,\r\n", csv->c_str());
   STRCMP_CONTAINS("\r\n2026-11-26T23:30:00.000Z,scan-0001,", csv->c_str());
 }
 

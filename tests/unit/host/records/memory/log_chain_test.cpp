@@ -181,7 +181,11 @@ TEST(LogChain, AChainThatWasMadeAnewIsFoundByAKeptLink) {
 
 TEST(LogChain, ALogOfBeforeTheChainIsToldAndSealedByItsFirstLink) {
   write(6);
-  attack("ALTER TABLE log DROP COLUMN link; PRAGMA user_version = " + std::to_string(schema_version() - 1));
+  attack(
+      "DROP INDEX scans_time; DROP INDEX scans_model_time; ALTER TABLE scans DROP COLUMN follows; CREATE "
+      "INDEX scans_time ON scans (time); CREATE INDEX scans_model_time ON scans (model); ALTER TABLE log "
+      "DROP COLUMN link; PRAGMA user_version = " +
+      std::to_string(schema_version() - 2));
   FAILS_NAMING(Errc::NotSupported, "start biteline-host once", Memory::open_to_read(file));
   { Memory memory = opened(); }
   const LogVerdict before = verdict();

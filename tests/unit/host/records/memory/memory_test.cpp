@@ -319,6 +319,8 @@ TEST(Memory, ShoesOfBeforeTheOutboxAreInItOnce) {
     // As the first version left it.
     auto database = Database::open(file, Database::Access::ReadWrite);
     SUCCEEDS(database->execute(
+        "DROP INDEX scans_time; DROP INDEX scans_model_time; ALTER TABLE scans DROP COLUMN follows; CREATE "
+        "INDEX scans_time ON scans (time); CREATE INDEX scans_model_time ON scans (model); "
         "DROP TABLE outbox; DROP TABLE scan_evidence; DELETE FROM settings WHERE key = "
         "'outbox'; DROP INDEX scans_part; ALTER TABLE scans DROP COLUMN part; ALTER TABLE "
         "scans DROP COLUMN foot; ALTER TABLE scans DROP COLUMN size; ALTER TABLE scans DROP COLUMN "
@@ -444,6 +446,26 @@ TEST(Memory, LogIsInTheOrderOfItsTimesAndPagesMissNoRow) {
 }
 
 /// It says nothing of a shoe; a stop while the arm follows does, as the line was found.
+TEST(Memory, AShoeCountsOnceHoweverManyScansItHas) {
+  Memory memory = opened();
+  Scan first = scan_named("scan-0001", 20'000 * k_day_ms, "ok");
+  Scan rework = scan_named("scan-0002", 20'000 * k_day_ms + 1, "ok");
+  rework.follows = first.name;
+  Scan next = scan_named("scan-0003", 20'000 * k_day_ms + 2, "refused");
+  next.follows = rework.name;
+  next.reason_code = "out_of_reach";
+  for (const Scan& scan : {first, rework, next}) SUCCEEDS(memory.put_scan(scan, by_service("result")));
+  STRCMP_EQUAL("scan-0002", (*memory.scan("scan-0003"))->follows.c_str());
+  const auto trends = memory.trends({}, FactoryDay{}, Span::Day);
+  SUCCEEDS(trends);
+  LONGS_EQUAL(1, trends->buckets.size());
+  LONGS_EQUAL(1, trends->buckets[0].scans);
+  LONGS_EQUAL(1, trends->buckets[0].ok);
+  // Why a process after the first came to nothing is told all the same.
+  LONGS_EQUAL(1, trends->reasons.size());
+  LONGS_EQUAL(3, memory.scans({})->scans.size());
+}
+
 TEST(Memory, TrendsLeaveOutWhatAPersonStoppedOnItsWay) {
   Memory memory = opened();
   Scan stopped = scan_named("scan-0001", 20'000 * k_day_ms, "refused");

@@ -228,6 +228,8 @@ TEST(Teachings, AMemoryOfBeforeThemIsRaisedAndKeepsWhatItHas) {
     // As step 5 left it.
     auto database = Database::open(file, Database::Access::ReadWrite);
     SUCCEEDS(database->execute(
+        "DROP INDEX scans_time; DROP INDEX scans_model_time; ALTER TABLE scans DROP COLUMN follows; CREATE "
+        "INDEX scans_time ON scans (time); CREATE INDEX scans_model_time ON scans (model); "
         "DROP TABLE teaching_scans; DROP TABLE teaching_deeds; DROP TABLE teachings; "
         "DROP INDEX scans_held; ALTER TABLE scans DROP COLUMN tip_bound_mm; ALTER TABLE log DROP COLUMN "
         "link; PRAGMA "
