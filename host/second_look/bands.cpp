@@ -39,14 +39,13 @@ PlanMean plan_mean(const Change& change, const Zones& zones, std::size_t row) {
     for (std::size_t j = zones.low_cell + quarter; j < zones.end_cell - quarter; ++j) {
       const std::size_t k = change.at(row, j);
       if (!change.known(k)) continue;
+      mean.known = true;
       weight += 1 / change.variance[k][c];
       mean.value[c] += change.value[k][c] / change.variance[k][c];
     }
-    if (weight <= 0) return {};
-    mean.value[c] /= weight;
-    mean.variance[c] = 1 / weight;
+    mean.variance[c] = weight > 0 ? 1 / weight : k_says_nothing;
+    if (weight > 0) mean.value[c] /= weight;
   }
-  mean.known = true;
   return mean;
 }
 
@@ -102,13 +101,16 @@ Expected expected_change(const Change& change, const Zones& zones, std::span<con
   }
   if (shown.size() < k_least_shown) return expected;
   const std::size_t lenders = std::min(k_lenders, shown.size());
-  std::vector<double> values(lenders);
+  std::vector<double> values;
   for (std::size_t i = 0; i < change.rows(); ++i) {
     const auto behind = static_cast<std::size_t>(std::ranges::lower_bound(where, i) - where.begin());
     for (std::size_t c = 0; c < channels_of(change); ++c) {
-      for (std::size_t k = 0; k < lenders; ++k)
-        values[k] = shown[(behind + k + shown.size() - lenders / 2) % shown.size()].value[c];
-      expected.change[i][c] = geometry::median_of(std::span<double>{values});
+      values.clear();
+      for (std::size_t k = 0; k < lenders; ++k) {
+        const PlanMean& lent = shown[(behind + k + shown.size() - lenders / 2) % shown.size()];
+        if (std::isfinite(lent.variance[c])) values.push_back(lent.value[c]);
+      }
+      if (!values.empty()) expected.change[i][c] = geometry::median_of(std::span<double>{values});
     }
     for (std::size_t j = zones.low_cell; j < zones.end_cell; ++j) {
       const std::size_t k = change.at(i, j);

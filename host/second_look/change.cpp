@@ -2,194 +2,49 @@
 #include "host/second_look/change.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <optional>
+#include <span>
 
 #include "host/geometry/closed_curve.hpp"
 #include "host/geometry/robust.hpp"
+#include "host/second_look/compare.hpp"
+#include "host/second_look/shift.hpp"
 
 namespace biteline::second_look {
 namespace {
 
-/// The first scan is read by the nearest profiles along the line, standard deviation of their weights; how
-/// much it scatters there is told by those across the next profile to either side.
-constexpr double k_along_sigma_mm = 0.45, k_scatter_sigma_mm = 0.75;
 /// A row with fewer unworked cells than this has no reference: 1 mm of them.
 constexpr std::size_t k_least_reference = 10;
-/// A profile half a millimetre away is near enough.
-constexpr double k_least_weight = 0.5;
-/// Profiles this near together, variance, show no slope along.
-constexpr double k_least_spread_mm2 = 0.05;
-/// What an arm does not repeat of its way, one coordinate (transfer/moved.cpp): on a slope that is height.
+/// Across a steep place the scans lie on each other no nearer than this: an arm's repeatability, one
+/// coordinate (transfer/moved.cpp).
 constexpr double k_repeat_mm = 0.014;
-constexpr std::size_t k_patch_cells = 10;
-/// A median's variance over a mean's: pi / 2.
-constexpr double k_median_variance = 1.57;
-/// The surface's slope across is taken over so many cells to either side.
-constexpr std::size_t k_slope_cells = 3;
-
-/// The first scan at a place between its profiles.
-struct FirstHere {
-  Values value{};
-  double across_mm{0};       ///< mean place of what was averaged, from the cell's middle
-  double variance_ratio{0};  ///< of one point's variance
-  Values scatter{};          ///< of the points about what they are averaged to, variance
-};
-
-/// Weighted sums of the points near a place along: a straight line through the heights, means of the others.
-class AlongSums {
- public:
-  struct Points {
-    double count, at_mm;
-    const std::array<float, k_channels>&sum, &square_sum;
-  };
-  void add(const Points& points, double weight) {
-    const double w = weight * points.count;
-    w_ += w;
-    ww_ += weight * w;
-    x_ += w * points.at_mm;
-    xx_ += w * points.at_mm * points.at_mm;
-    xh_ += weight * points.at_mm * points.sum[k_height];
-    for (std::size_t c = 0; c < k_channels; ++c) {
-      value_[c] += weight * points.sum[c];
-      square_[c] += weight * points.square_sum[c];
-    }
-  }
-  [[nodiscard]] double weight() const { return w_; }
-  [[nodiscard]] double variance_ratio() const { return ww_ / (w_ * w_); }
-  [[nodiscard]] double mean(std::size_t c) const { return value_[c] / w_; }
-  /// At the place itself.
-  [[nodiscard]] double height() const { return mean(k_height) - slope() * x_ / w_; }
-  [[nodiscard]] double scatter(std::size_t c) const {
-    const double slope_mm = c == k_height ? slope() : 0;
-    return std::max(0.0, square_[c] / w_ - mean(c) * mean(c) - slope_mm * slope_mm * spread_mm2());
-  }
-
- private:
-  [[nodiscard]] double spread_mm2() const { return xx_ / w_ - x_ / w_ * (x_ / w_); }
-  [[nodiscard]] double slope() const {
-    return spread_mm2() > k_least_spread_mm2 ? (xh_ / w_ - x_ / w_ * mean(k_height)) / spread_mm2() : 0;
-  }
-  double w_{0}, ww_{0}, x_{0}, xx_{0}, xh_{0};
-  Values value_{}, square_{};
-};
-
-class FirstScan {
- public:
-  FirstScan(const Raster& raster, double step_mm)
-      : raster_{raster},
-        step_mm_{step_mm},
-        reach_{static_cast<std::ptrdiff_t>(std::ceil(2 * k_scatter_sigma_mm / step_mm))} {}
-
-  [[nodiscard]] std::optional<FirstHere> at(double on_line_mm, std::size_t cell) const {
-    const double nearest = std::round(on_line_mm / step_mm_);
-    const double along_mm = on_line_mm - nearest * step_mm_;
-    const std::size_t station =
-        geometry::round_index(0, static_cast<std::ptrdiff_t>(nearest), raster_.rows());
-    AlongSums near, wide;
-    double across_mm = 0;
-    for (std::ptrdiff_t k = -reach_; k <= reach_; ++k) {
-      const std::size_t i = raster_.at(geometry::round_index(station, k, raster_.rows()), cell);
-      const double n = raster_.count[i];
-      if (n <= 0) continue;
-      const double at_mm = static_cast<double>(k) * step_mm_ + raster_.along_sum_mm[i] / n - along_mm;
-      const AlongSums::Points points{
-          .count = n, .at_mm = at_mm, .sum = raster_.sum[i], .square_sum = raster_.square_sum[i]};
-      const double weight = std::exp(-0.5 * std::pow(at_mm / k_along_sigma_mm, 2));
-      near.add(points, weight);
-      wide.add(points, std::exp(-0.5 * std::pow(at_mm / k_scatter_sigma_mm, 2)));
-      across_mm += weight * raster_.across_sum_mm[i];
-    }
-    if (near.weight() < k_least_weight) return std::nullopt;
-    FirstHere here{.across_mm = across_mm / near.weight(), .variance_ratio = near.variance_ratio()};
-    for (std::size_t c = 0; c < k_channels; ++c) {
-      here.value[c] = c == k_height ? near.height() : near.mean(c);
-      here.scatter[c] = wide.scatter(c);
-    }
-    return here;
-  }
-
- private:
-  const Raster& raster_;
-  double step_mm_;
-  std::ptrdiff_t reach_;
-};
-
-/// Unworked cells of a row: below the plan and above it.
-template <class Take>
-void for_unworked(const Change& change, const Zones& zones, std::size_t row, Take&& take) {
-  for (std::size_t j = 0; j < change.across.cells; ++j) {
-    if (j >= zones.below_end_cell && j < zones.above_first_cell) continue;
-    const std::size_t k = change.at(row, j);
-    if (change.known(k)) take(k, j < zones.below_end_cell);
-  }
-}
-
-/// Mean of a cell's and its neighbours': few points tell little each.
-double scatter_at(const std::vector<std::optional<FirstHere>>& row, std::size_t j, std::size_t c) {
-  double sum = 0, count = 0;
-  for (std::size_t k = j >= 2 ? j - 2 : 0; k < std::min(j + 3, row.size()); ++k) {
-    if (!row[k]) continue;
-    sum += row[k]->scatter[c];
-    count += 1;
-  }
-  return sum / count;
-}
-
-/// Differences of the cells, and as `variance` the first scan's scatter there.  Gives the variances of the
-/// differences, of one point's; 0 where nothing can be compared.
-std::vector<double> compare(Change& change, const Raster& first, const Raster& second, double step_mm) {
-  std::vector<double> variance_ratio(change.variance.size(), 0.0);
-  const FirstScan scan{first, step_mm};
-  std::vector<std::optional<FirstHere>> row(change.across.cells);
-  for (std::size_t i = 0; i < change.rows(); ++i) {
-    for (std::size_t j = 0; j < change.across.cells; ++j) {
-      const std::size_t k = change.at(i, j);
-      const double n = second.count[k];
-      row[j] = n > 0 ? scan.at(change.along_mm[i] + second.along_sum_mm[k] / n, j) : std::nullopt;
-    }
-    for (std::size_t j = 0; j < change.across.cells; ++j) {
-      if (!row[j]) continue;
-      const std::size_t k = change.at(i, j);
-      const double n = second.count[k];
-      for (std::size_t c = 0; c < k_channels; ++c) {
-        change.value[k][c] = second.sum[k][c] / n - row[j]->value[c];
-        change.variance[k][c] = scatter_at(row, j, c);
-      }
-      // The two means do not lie at one place across; on a slope that is height.
-      const std::size_t low = j >= k_slope_cells ? j - k_slope_cells : 0,
-                        high = std::min(j + k_slope_cells, change.across.cells - 1);
-      if (!row[low] || !row[high]) continue;  // beside what is hidden
-      variance_ratio[k] = row[j]->variance_ratio + 1 / n;
-      const double slope = (row[high]->value[k_height] - row[low]->value[k_height]) /
-                           (static_cast<double>(high - low) * k_cell_mm);
-      change.value[k][k_height] -= slope * (second.across_sum_mm[k] / n - row[j]->across_mm);
-      change.variance[k][k_height] += slope * slope * k_repeat_mm * k_repeat_mm;
-    }
-  }
-  return variance_ratio;
-}
+constexpr std::size_t k_patch_cells = 10, k_part_cells = 20, k_least_parts = 3;
+/// 99 of 100 normally distributed patches are within so many standard deviations.
+constexpr double k_far_share = 0.99, k_far_share_sigmas = 2.576;
 
 /// Cells' variances from `variance_ratio`, of one point's, and the first scan's scatter.  More than twice the
-/// usual scatter is hardly by chance: it is the surface's own course between two profiles.  A straight line
-/// between them is off by a third of what three of them scatter about one, and alike in every cell across.
-void scale_variances(Change& change, const std::vector<double>& variance_ratio, std::size_t channels) {
-  constexpr double k_common = 10;  // a third, squared, of some hundred cells
+/// usual scatter is hardly by chance: it is the surface's own course between two profiles, a seam's or a
+/// stitch's.  Gives its standard deviations: by these the first scan may be off there, alike in all cells.
+std::vector<Values> scale_variances(Change& change, const Compared& compared, std::size_t channels) {
+  std::vector<Values> course(change.variance.size(), Values{});
   for (std::size_t c = 0; c < channels; ++c) {
     std::vector<double> all;
-    for (const Values& variance : change.variance)
-      if (variance[k_height] > 0) all.push_back(variance[c]);
+    for (std::size_t k = 0; k < change.variance.size(); ++k)
+      if (change.known(k, c)) all.push_back(change.variance[k][c]);
     if (all.empty()) continue;
     const double usual = geometry::median_of(std::span<double>{all});
     for (std::size_t k = 0; k < change.variance.size(); ++k) {
-      double& variance = change.variance[k][c];
-      if (variance_ratio[k] > 0)
-        variance = variance_ratio[k] * usual + k_common * std::max(0.0, variance - 2 * usual);
+      if (!change.known(k, c) || compared.variance_ratio[k] <= 0) continue;
+      const double beyond = std::max(0.0, change.variance[k][c] - 2 * usual);
+      course[k][c] = std::sqrt(beyond);
+      change.variance[k][c] = compared.variance_ratio[k] * usual + beyond;
     }
   }
-  for (std::size_t k = 0; k < change.variance.size(); ++k)
-    if (variance_ratio[k] <= 0) change.variance[k] = {};
+  for (std::size_t k = 0; k < change.variance.size(); ++k) {
+    if (compared.variance_ratio[k] <= 0) change.variance[k] = {};
+    if (change.known(k)) change.variance[k][k_height] += std::pow(compared.slope[k] * k_repeat_mm, 2);
+  }
+  return course;
 }
 
 /// Takes the unworked surface's own difference off, row by row; gives the differences taken.
@@ -197,19 +52,18 @@ std::vector<double> take_reference_off(Change& change, const Zones& zones) {
   std::vector<double> light;
   std::vector<double> values;
   for (std::size_t i = 0; i < change.rows(); ++i) {
-    Values reference{};
     for (std::size_t c = 0; c < k_channels; ++c) {
       values.clear();
-      for_unworked(change, zones, i, [&](std::size_t k, bool) { values.push_back(change.value[k][c]); });
-      if (values.size() < k_least_reference) break;
-      change.seen[i] = 1;
-      reference[c] = geometry::median_of(std::span<double>{values});
-    }
-    if (change.seen[i] != 0) light.push_back(reference[k_log_amplitude]);
-    for (std::size_t j = 0; j < change.across.cells; ++j) {
-      const std::size_t k = change.at(i, j);
-      if (change.seen[i] == 0) change.variance[k] = {};
-      for (std::size_t c = 0; c < k_channels; ++c) change.value[k][c] -= reference[c];
+      for_unworked(change, zones, i, c, [&](std::size_t k, bool) { values.push_back(change.value[k][c]); });
+      const bool told = values.size() >= k_least_reference;
+      const double reference = told ? geometry::median_of(std::span<double>{values}) : 0;
+      if (c == k_height) change.seen[i] = told ? 1 : 0;
+      if (c == k_log_amplitude && told) light.push_back(reference);
+      for (std::size_t j = 0; j < change.across.cells; ++j) {
+        const std::size_t k = change.at(i, j);
+        change.value[k][c] -= reference;
+        if (!told && change.known(k)) change.variance[k][c] = c == k_height ? 0 : k_says_nothing;
+      }
     }
   }
   return light;
@@ -226,86 +80,87 @@ double robust_variance(std::vector<double>& values) {
 double point_variance(const Change& change, const Zones& zones, std::size_t c) {
   std::vector<double> scaled;
   for (std::size_t i = 0; i < change.rows(); ++i)
-    for_unworked(change, zones, i, [&](std::size_t k, bool) {
+    for_unworked(change, zones, i, c, [&](std::size_t k, bool) {
       scaled.push_back(change.value[k][c] / std::sqrt(change.variance[k][c]));
     });
   return robust_variance(scaled);
 }
 
-/// Two groups of a row's unworked cells against each other: below and above the band, or near and far on one
-/// side of it.
-struct Sides {
-  double off{0};           ///< half of what they differ by
-  double single_ratio{0};  ///< variance of that by the cells' single noise, of one point's
+/// Unworked cells of a row, so many and so many together.
+struct Patch {
+  double mean{0}, weight{0};  ///< sum of 1 / variance
 };
-std::optional<Sides> sides_of(const Change& change, const Zones& zones, std::size_t row, std::size_t c) {
-  std::array<std::vector<double>, 2> values{};
-  std::array<double, 2> weight{};
-  std::size_t all = 0, below = 0, number = 0;
-  for_unworked(change, zones, row, [&](std::size_t, bool low) {
-    ++all;
-    below += low ? 1 : 0;
+std::vector<Patch> patches_of(const Change& change, const Zones& zones, std::size_t row, std::size_t c,
+                              std::size_t cells) {
+  std::vector<Patch> patches;
+  Patch open;
+  std::size_t count = 0;
+  for_unworked(change, zones, row, c, [&](std::size_t k, bool) {
+    open.mean += change.value[k][c] / change.variance[k][c];
+    open.weight += 1 / change.variance[k][c];
+    if (++count < cells) return;
+    patches.push_back({.mean = open.mean / open.weight, .weight = open.weight});
+    open = {};
+    count = 0;
   });
-  const bool both = below >= k_least_reference && all - below >= k_least_reference;
-  for_unworked(change, zones, row, [&](std::size_t k, bool low) {
-    const std::size_t group = (both ? low : number * 2 < all) ? 0 : 1;
-    ++number;
-    values[group].push_back(change.value[k][c]);
-    weight[group] += 1 / change.variance[k][c];
-  });
-  if (std::min(values[0].size(), values[1].size()) < k_least_reference / 2) return std::nullopt;
-  // Medians: a drop on one side is no difference of the two.
-  return Sides{.off = (geometry::median_of(std::span<double>{values[1]}) -
-                       geometry::median_of(std::span<double>{values[0]})) /
-                      2,
-               .single_ratio = k_median_variance * (1 / weight[0] + 1 / weight[1]) / 4};
+  return patches;
 }
 
-/// What the unworked cells of a row have in common beyond their single noise.
+/// What a row's band may be off by, all of it, against its unworked cells: by what parts of those, 2 mm wide,
+/// differ from each other beyond their single noise.  A drop on one of them is no such difference.
 class CommonVariance {
  public:
   CommonVariance(const Change& change, const Zones& zones, std::size_t c, double of_point)
-      : of_point_{of_point} {
-    std::vector<double> off;
-    double single = 0;
+      : row_(change.rows(), 0.0) {
+    std::vector<std::vector<double>> off(change.rows());
+    std::vector<double> single(change.rows(), 0.0), parts(change.rows(), 0.0);
     for (std::size_t i = 0; i < change.rows(); ++i) {
-      sides_.push_back(sides_of(change, zones, i, c));
-      if (!sides_.back()) continue;
-      off.push_back(sides_.back()->off);
-      single += of_point * sides_.back()->single_ratio;
+      const std::vector<Patch> patches = patches_of(change, zones, i, c, k_part_cells);
+      std::vector<double> means;
+      for (const Patch& patch : patches) means.push_back(patch.mean);
+      if (means.size() < k_least_parts) continue;
+      const double middle = geometry::median_of(std::vector<double>{means});
+      for (const Patch& patch : patches) {
+        off[i].push_back(patch.mean - middle);
+        single[i] += of_point / patch.weight;
+      }
+      parts[i] = static_cast<double>(patches.size());
     }
-    if (off.empty()) return;
-    usual_ = std::max(0.0, robust_variance(off) - single / static_cast<double>(off.size()));
+    // A seam lies on neighbours, too: each row is judged with the one before and the one behind.
+    const auto band_parts = static_cast<double>(zones.end_cell - zones.low_cell) / k_part_cells;
+    std::vector<double> all;
+    for (std::size_t i = 0; i < row_.size(); ++i) {
+      std::vector<double> near;
+      double near_single = 0;
+      for (const std::ptrdiff_t k : {-1, 0, 1}) {
+        const std::size_t n = geometry::round_index(i, k, row_.size());
+        near.insert(near.end(), off[n].begin(), off[n].end());
+        near_single += single[n];
+      }
+      if (near.empty() || parts[i] == 0) continue;
+      const double of_part = robust_variance(near) - near_single / static_cast<double>(near.size());
+      row_[i] = of_part * (1 / band_parts + 1 / parts[i]);
+      all.push_back(row_[i]);
+    }
+    const double usual = all.empty() ? 0 : std::max(0.0, geometry::median_of(std::span<double>{all}));
+    for (double& row : row_) row = std::max(row, usual);
   }
-  /// A row whose sides differ by more than three standard deviations is judged by its own difference: a
-  /// profile on a seam.
-  [[nodiscard]] double of_row(std::size_t row) const {
-    if (!sides_[row]) return usual_;
-    const double own = sides_[row]->off * sides_[row]->off;
-    return own > 9 * (usual_ + of_point_ * sides_[row]->single_ratio) ? own : usual_;
-  }
+  [[nodiscard]] double of_row(std::size_t row) const { return row_[row]; }
 
  private:
-  double of_point_, usual_{0};
-  std::vector<std::optional<Sides>> sides_{};
+  std::vector<double> row_;
 };
 
-/// Of patches of 1 mm of unworked cells against what their variances promise.
+/// Of patches of 1 mm of unworked cells against what their variances promise: of the few that lie farthest
+/// off, as a surface with ridges or stitches between the profiles has them.  Where somebody worked beside the
+/// plan, that is less.
 double patch_ratio_of(const Change& change, const Zones& zones, std::size_t c) {
   std::vector<double> off;
-  for (std::size_t i = 0; i < change.rows(); ++i) {
-    double sum = 0, weight = 0;
-    std::size_t count = 0;
-    for_unworked(change, zones, i, [&](std::size_t k, bool) {
-      sum += change.value[k][c] / change.variance[k][c];
-      weight += 1 / change.variance[k][c];
-      if (++count < k_patch_cells) return;
-      off.push_back(sum / std::sqrt(weight));
-      sum = weight = 0;
-      count = 0;
-    });
-  }
-  return std::max(1.0, robust_variance(off));
+  for (std::size_t i = 0; i < change.rows(); ++i)
+    for (const Patch& patch : patches_of(change, zones, i, c, k_patch_cells))
+      off.push_back(std::abs(patch.mean) * std::sqrt(patch.weight));
+  if (off.empty()) return 1;
+  return std::max(1.0, std::pow(geometry::quantile_of(std::span{off}, k_far_share) / k_far_share_sigmas, 2));
 }
 
 }  // namespace
@@ -316,23 +171,32 @@ Change change_of(const Raster& first, const Raster& second, const Zones& zones, 
   change.value.assign(cells, {});
   change.variance.assign(cells, {});
   change.seen.assign(change.rows(), 0);
-  const std::vector<double> variance_ratio = compare(change, first, second, step_mm);
+  const Compared compared = compare(change, first, second, step_mm);
+  take_shift_off(change, compared, zones, step_mm * static_cast<double>(first.rows()));
   const std::size_t channels = stripe ? std::size_t{k_channels} : 1;
-  scale_variances(change, variance_ratio, channels);
+  const std::vector<Values> course = scale_variances(change, compared, channels);
   std::vector<double> light = take_reference_off(change, zones);
   if (!light.empty()) change.log_light = geometry::median_of(std::span<double>{light});
   for (std::size_t c = 0; c < channels; ++c) {
     const double of_point = point_variance(change, zones, c);
+    if (of_point <= 0) {  // nothing unworked tells
+      for (Values& variance : change.variance)
+        if (variance[k_height] > 0) variance[c] = k_says_nothing;
+      continue;
+    }
     const CommonVariance common{change, zones, c, of_point};
     std::vector<double> grown(change.rows());
     for (std::size_t i = 0; i < change.rows(); ++i) {
-      // In sums over the band the common part counts once for each cell.
-      double information = 0;
+      // In sums over the band what cells have in common counts once for each of them.
+      double information = 0, course_of_all = 0;
       for (std::size_t j = zones.low_cell; j < zones.end_cell; ++j) {
         const std::size_t k = change.at(i, j);
-        if (change.known(k)) information += 1 / change.variance[k][c];
+        if (!change.known(k)) continue;
+        information += 1 / change.variance[k][c];
+        course_of_all += course[k][c] / change.variance[k][c];
       }
       grown[i] = of_point + common.of_row(i) * information;
+      if (information > 0) grown[i] += course_of_all * course_of_all / information;
     }
     for (std::size_t i = 0; i < change.rows(); ++i)
       for (std::size_t j = 0; j < change.across.cells; ++j) change.variance[change.at(i, j)][c] *= grown[i];

@@ -3,12 +3,17 @@
 /// \file What changed from the first scan to the second, against the surface that nobody worked, in units of
 /// its own noise.
 
+#include <cmath>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "host/second_look/raster.hpp"
 
 namespace biteline::second_look {
+
+/// Variance of what says nothing.
+inline constexpr double k_says_nothing = std::numeric_limits<double>::infinity();
 
 /// Cells across that belong to the planned band, and those that serve as unworked surface.
 struct Zones {
@@ -18,7 +23,7 @@ struct Zones {
 };
 
 /// Differences, second less first.  Rows are the second scan's; where a cell, or its row, cannot be
-/// compared its `variance` is 0.
+/// compared its `variance` is 0; where one channel says nothing, that one's is infinite.
 struct Change {
   Across across{};
   std::vector<double> along_mm{};    ///< of each row on the line, rising
@@ -33,7 +38,21 @@ struct Change {
   [[nodiscard]] std::size_t rows() const { return along_mm.size(); }
   [[nodiscard]] std::size_t at(std::size_t row, std::size_t cell) const { return row * across.cells + cell; }
   [[nodiscard]] bool known(std::size_t k) const { return variance[k][k_height] > 0; }
+  [[nodiscard]] bool known(std::size_t k, std::size_t channel) const {
+    return known(k) && std::isfinite(variance[k][channel]);
+  }
 };
+
+/// Unworked cells of a row: below the plan and above it.  `take` gets the cell, and whether it is below.
+template <class Take>
+void for_unworked(const Change& change, const Zones& zones, std::size_t row, std::size_t channel,
+                  Take&& take) {
+  for (std::size_t j = 0; j < change.across.cells; ++j) {
+    if (j >= zones.below_end_cell && j < zones.above_first_cell) continue;
+    const std::size_t k = change.at(row, j);
+    if (change.known(k, channel)) take(k, j < zones.below_end_cell);
+  }
+}
 
 /// The noise is that of the unworked cells: of single ones, and of what they have in common across (a profile
 /// that lies off, a grain wider than a cell, an arm that does not repeat its way).

@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include "host/second_look/told_along.hpp"
+
 namespace biteline::second_look {
 namespace {
 
@@ -13,9 +15,6 @@ struct Open {
   std::size_t first, last;  ///< rows; beyond the number of them where it goes over the first one
   double low_mm, high_mm;
 };
-
-/// A fault that is shorter is one profile's of a fast scan, which may lie off; a gap of 2 mm is longer.
-constexpr double k_least_fault_mm = 1.6;
 
 bool overlap(const Open& open, const Seen& seen) {
   return open.kind == seen.kind && seen.low_mm <= open.high_mm && open.low_mm <= seen.high_mm;
@@ -93,7 +92,7 @@ std::vector<Fault> join_faults(const SeenAt& seen, const RowsOnLine& rows, const
   std::vector<Fault> faults;
   for (const Open& o : done) {
     const Length length = length_of(o, rows);
-    if (length.mm < k_least_fault_mm) continue;
+    if (length.mm < k_least_told_mm) continue;
     const std::size_t middle = frame.nearest(rows.along_mm[(o.first + o.last) / 2 % seen.size()]);
     faults.push_back({.kind = o.kind,
                       .along = length.arc,

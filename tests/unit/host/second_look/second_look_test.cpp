@@ -3,6 +3,7 @@
 
 #include <CppUTest/TestHarness.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
@@ -88,6 +89,27 @@ TEST(SecondLook, WithoutTheStripeTheHeightTells) {
   CHECK_TRUE(std::ranges::any_of(found.faults, [](const Fault& fault) {
     return fault.kind == FaultKind::Missing && overlap(fault.along, faulty_work().faults[0].along);
   }));
+}
+
+/// A stitch, or a line's own grain, turns its normals from place to place by degrees.
+TEST(SecondLook, NormalsThatTurnToAndFroChangeNothing) {
+  cloud::ClosedLine line = faulty_work().line;
+  for (std::size_t i = 0; i < line.points.size(); ++i) {
+    const Eigen::AngleAxisd turn{i % 4 < 2 ? 0.05 : -0.05, line.points[i].tangent};
+    line.points[i].normal = turn * line.points[i].normal;
+  }
+  const Findings found = look_again(faulty_work().first, faulty_work().second, line, faulty_work().plan);
+  LONGS_EQUAL(3, found.faults.size());
+  DOUBLES_EQUAL(0, found.unclear_mm, 0);
+}
+
+TEST(SecondLook, AStripeThatIsAsBrightAsCanBeTellsByItsHeightAndWidth) {
+  cloud::PointCloud first = faulty_work().first, second = faulty_work().second;
+  for (cloud::PointCloud* cloud : {&first, &second})
+    for (float& amplitude : cloud->amplitude) amplitude = 255;
+  const Findings found = look_again(first, second, faulty_work().line, faulty_work().plan);
+  LONGS_EQUAL(3, found.faults.size());
+  DOUBLES_EQUAL(1, found.light_ratio, 0);
 }
 
 TEST(SecondLook, WhatIsLeftOutIsNotMissing) {
