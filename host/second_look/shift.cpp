@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <span>
 
 #include "host/geometry/robust.hpp"
@@ -13,6 +14,8 @@ namespace {
 /// What an arm does not repeat is slow: rows are taken together over this, standard deviation.
 constexpr double k_together_mm = 4;
 constexpr int k_rounds = 5;
+/// Steeper than this, in a groove's walls, a cell's mean depends on where in the cell its points lie.
+constexpr double k_steepest = 1;
 /// A cell that lies off by so many standard deviations has a quarter of its weight (Geman and McClure 1987).
 constexpr double k_far_sigmas = 3;
 
@@ -42,14 +45,15 @@ class Rows {
         shift_mm_(change.rows(), 0.0) {
     for (std::size_t i = 0; i < change.rows(); ++i)
       for_unworked(change, zones, i, k_height, [&](std::size_t k, bool) {
-        if (compared.variance_ratio[k] <= 0) return;
         const double slope = compared.slope[k];
-        cells_[i].push_back({.height_mm = change.value[k][k_height],
-                             .slope = slope,
-                             .square = 1 / std::pow(1 + slope * slope, 2)});
+        if (compared.variance_ratio[k] <= 0 || std::abs(slope) > k_steepest) return;
+        cells_[i].push_back(
+            {.height_mm = change.value[k][k_height], .slope = slope, .square = 1 / (1 + slope * slope)});
       });
     for (std::size_t i = 0; i < cells_.size(); ++i) height_mm_[i] = middle_of(i);
-    for (int round = 0; round < k_rounds; ++round) fit();
+    // All cells have a say first: where the few steep ones were far ones from the beginning, they stayed so.
+    fit(std::numeric_limits<double>::infinity());
+    for (int round = 1; round < k_rounds; ++round) fit(std::max(k_far_sigmas * scale_mm(), 1e-6));
   }
   [[nodiscard]] double shift_mm(std::size_t row) const { return shift_mm_[row]; }
 
@@ -69,8 +73,7 @@ class Rows {
     return off.empty() ? 0 : geometry::k_sigma_per_mad * geometry::median_of(std::span<double>{off});
   }
 
-  void fit() {
-    const double far_mm = std::max(k_far_sigmas * scale_mm(), 1e-6);
+  void fit(double far_mm) {
     std::vector<Sums> sums(cells_.size());
     for (std::size_t i = 0; i < cells_.size(); ++i)
       for (const Cell& cell : cells_[i]) {

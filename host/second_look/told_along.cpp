@@ -86,7 +86,7 @@ class Line {
     set(stretch, 0, stretch.row.size(), Told::Worked);
     for (const Piece& piece : worked_pieces(unworked)) {
       const Sum sum = sum_of(stretch, piece.first, piece.end);
-      if (sum.length_mm >= k_least_told_mm && sum.could_tell())
+      if (sum.length_mm >= k_least_told_mm && sum.could_tell() && !by_one_row(stretch, piece))
         set(stretch, piece.first, piece.end, Told::Missing);
     }
     for (std::size_t first = 0; first < stretch.row.size();) {
@@ -95,6 +95,15 @@ class Line {
       doubt(stretch, first, end);
       first = end + 1;
     }
+  }
+
+  /// Without one of its rows a missing piece would not be told: that row may lie off.
+  [[nodiscard]] bool by_one_row(const Stretch& stretch, const Piece& piece) const {
+    for (std::size_t k = piece.first; k < piece.end; ++k) {
+      const double others = piece.told + rows_[stretch.row[k]].likelihood;
+      if (others < k_told && stretch.length_mm[k] < k_least_told_mm) return true;
+    }
+    return false;
   }
 
   /// Of a part without gaps: each piece that could be one.

@@ -70,6 +70,20 @@ TEST(ToldAlong, OneRowThatLiesOffIsNoGap) {
   expect(0, 0, Told::Worked);
 }
 
+TEST(ToldAlong, AGapIsNotToldByOneOfItsRowsAlone) {
+  set(50, 51, -2 * k_told);
+  set(51, 52, -0.5 * k_told);
+  expect(50, 52, Told::Unclear);
+}
+
+TEST(ToldAlong, OneRowTellsAGapWhereRowsStandFarApart) {
+  rows.clear();
+  for (double mm = 0; mm < k_line_mm; mm += 2)
+    rows.push_back({.along_mm = mm, .likelihood = 4 * k_told, .evidence = 4 * k_told});
+  set(20, 21, -4 * k_told);
+  expect(20, 21, Told::Missing);
+}
+
 TEST(ToldAlong, TwoRowsThatSayNeitherAreUnclear) {
   set(60, 62, 0);
   expect(60, 62, Told::Unclear);
