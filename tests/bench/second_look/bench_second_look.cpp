@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Made shoes, worked with known faults, scanned before and after: which faults the second look finds, what it
 // invents, and how far its edges lie off.
-//   bench_second_look [first seed] [shoes] [first index]
+//   bench_second_look [first seed] [shoes] [first index] [mm between profiles]
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -228,10 +228,11 @@ void print(const Tally& t) {
               at_share(t.gap_end_mm, 0.95), at_share(t.gap_end_mm, 1));
 }
 
-void run(std::uint64_t first_seed, int shoes, int first_index) {
+void run(std::uint64_t first_seed, int shoes, int first_index, double profile_step_mm) {
   Tally tally;
   for (int i = first_index; i < first_index + shoes; ++i) {
-    const WorkCase made = work_case(first_seed, i);
+    WorkCase made = work_case(first_seed, i);
+    made.profile_step_mm = profile_step_mm;
     const MadeWork work = make_work(made);
     const auto begin = std::chrono::steady_clock::now();
     const Findings found = second_look::look_again(work.first, work.second, work.line, work.plan);
@@ -256,5 +257,6 @@ void run(std::uint64_t first_seed, int shoes, int first_index) {
 
 int main(int argc, char** argv) {
   biteline::bench::run(argc > 1 ? std::strtoull(argv[1], nullptr, 10) : 9001,
-                       argc > 2 ? std::atoi(argv[2]) : 20, argc > 3 ? std::atoi(argv[3]) : 0);
+                       argc > 2 ? std::atoi(argv[2]) : 20, argc > 3 ? std::atoi(argv[3]) : 0,
+                       argc > 4 ? std::atof(argv[4]) : 1);
 }
