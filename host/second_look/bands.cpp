@@ -16,8 +16,6 @@ constexpr std::size_t k_lenders = 60;
 /// A row shows a change from here on: by chance one of a thousand does.  Not more is asked for, or only the
 /// most changed ones would say what the work changes.
 constexpr double k_shown_squared = 16;
-/// Fewer rows than this, 10 mm of a fast scan's, do not say what the work changes.
-constexpr std::size_t k_least_shown = 10;
 /// Values farther out than this do not count as more.
 constexpr double k_most_sigmas = 4;
 

@@ -16,6 +16,9 @@ namespace biteline::second_look {
 /// wrong by chance: ln(100 * 1000 * 100).
 inline constexpr double k_told = 16;
 
+/// Fewer rows than this, 10 mm of a fast scan's, do not say what the work changes.
+inline constexpr std::size_t k_least_shown = 10;
+
 /// What the work changes at a row, as its neighbours show it, and how plain that is.
 struct Expected {
   std::vector<Values> change{};    ///< per row; zero where no row shows any

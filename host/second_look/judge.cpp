@@ -35,7 +35,10 @@ class Judge {
       likelihood_.push_back(likelihood_of(bench_.change, bench_.expected.change[i], i, SumOver::Piece));
       scores.push_back(score_of(i, places[i]));
     }
-    const std::vector<Told> told = told_along(scores, bench_.frame.length_mm());
+    std::vector<Told> told = told_along(scores, bench_.frame.length_mm());
+    // What is told of must have been seen.
+    if (std::ranges::count(told, Told::Worked) < static_cast<std::ptrdiff_t>(k_least_shown))
+      std::ranges::fill(told, Told::Unclear);
     for (std::size_t i = 0; i < places.size(); ++i)
       if (blank_[i] == 0) judge_row(i, told[i], places[i]);
     for (std::size_t i = 0; i < places.size(); ++i)

@@ -135,6 +135,14 @@ TEST(SecondLook, WhatThePlanWorksTwiceIsNotDoubled) {
   LONGS_EQUAL(0, doubled(plan));
 }
 
+/// A boot whose ridges make a change that seems to be one of the work, and is told nearly nowhere.
+TEST(SecondLook, AChangeThatIsHardlyEverToldIsNone) {
+  const bench::MadeWork work = bench::make_work(bench::work_case(30161000, 119));
+  const Findings found = look_again(work.first, work.second, work.line, work.plan);
+  CHECK_TRUE(found.refusal && found.refusal->code == Refused::NothingToTell);
+  LONGS_EQUAL(0, found.faults.size());
+}
+
 TEST(SecondLook, WorkWithoutATraceIsNotJudged) {
   bench::WorkCase made = faulty();
   made.work = sim::Work::Unseen;
