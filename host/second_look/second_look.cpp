@@ -5,6 +5,8 @@
 #include <cmath>
 #include <span>
 
+#include <tbb/parallel_invoke.h>
+
 #include "host/geometry/closed_curve.hpp"
 #include "host/geometry/robust.hpp"
 #include "host/second_look/bands.hpp"
@@ -85,6 +87,16 @@ bool has_stripe(const cloud::PointCloud& cloud) {
   return !cloud.amplitude.empty() && !cloud.width_px.empty();
 }
 
+Zones zones_of(const PlannedBand& plan, const Across& across) {
+  const auto cell = [&](double mm) {
+    return static_cast<std::size_t>(std::lround((mm - across.low_mm) / k_cell_mm));
+  };
+  return {.low_cell = cell(plan.low_mm),
+          .end_cell = cell(plan.high_mm),
+          .below_end_cell = cell(plan.low_mm - k_beside_from_mm),
+          .above_first_cell = cell(plan.high_mm + k_beside_from_mm)};
+}
+
 /// Rows whose plan is in both scans.
 std::vector<std::uint8_t> shown_rows(const Change& change, const Zones& zones) {
   std::vector<std::uint8_t> shown(change.rows(), 0);
@@ -154,25 +166,24 @@ Findings look_again(const cloud::PointCloud& first, const cloud::PointCloud& sec
   ways.count_from(off_the_plan(frame, ways, plan, wish.reach_mm));
   std::vector<Vec3> places;
   for (const cloud::LinePoint& p : line.points) places.push_back(p.position);
-  const transfer::Moved moved =
-      transfer::moved_since(without_band(first, frame, ways, plan, wish.reach_mm),
-                            without_band(second, frame, ways, plan, wish.reach_mm), places);
-  findings.moved = moved;
-  findings.refusal = refusal_of(moved);
-  if (findings.refusal) return findings;
-
-  const auto cell = [&](double mm) {
-    return static_cast<std::size_t>(std::lround((mm - low_mm) / k_cell_mm));
-  };
-  const Zones zones{.low_cell = cell(plan.low_mm),
-                    .end_cell = cell(plan.high_mm),
-                    .below_end_cell = cell(plan.low_mm - k_beside_from_mm),
-                    .above_first_cell = cell(plan.high_mm + k_beside_from_mm)};
+  const Zones zones = zones_of(plan, wish.across);
   RasterWish by_profile = wish;
   by_profile.by_profile = !second.profile.empty();
-  const Change change =
-      change_of(raster_of(first, frame, ways, wish), raster_of(second, frame, ways, by_profile), zones,
-                frame.step_mm(), wish.stripe);
+  // At the same time: a second look holds a shoe up.
+  Change change;
+  tbb::parallel_invoke(
+      [&] {
+        findings.moved =
+            transfer::moved_since(without_band(first, frame, ways, plan, wish.reach_mm),
+                                  without_band(second, frame, ways, plan, wish.reach_mm), places);
+      },
+      [&] {
+        change = change_of(raster_of(first, frame, ways, wish), raster_of(second, frame, ways, by_profile),
+                           zones, frame.step_mm(), wish.stripe);
+      });
+  findings.refusal = refusal_of(findings.moved);
+  if (findings.refusal) return findings;
+
   std::vector<std::uint8_t> planned;
   for (const double along_mm : change.along_mm) {
     const bool left_out =

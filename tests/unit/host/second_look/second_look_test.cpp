@@ -153,6 +153,11 @@ TEST(SecondLook, WorkWithoutATraceIsNotJudged) {
   LONGS_EQUAL(0, found.faults.size());
 }
 
+TEST(SecondLook, AnEmptyScanIsRefused) {
+  const Findings found = look_again(faulty_work().first, {}, faulty_work().line, faulty_work().plan);
+  CHECK_TRUE(found.refusal && found.refusal->code == Refused::NotSeen);
+}
+
 TEST(SecondLook, AShoeThatWasMovedIsRefused) {
   cloud::PointCloud moved = faulty_work().second;
   for (Eigen::Vector3f& p : moved.points) p.x() += 1;
