@@ -172,10 +172,10 @@ export class FakeCell {
     ];
     this.process = { name: 'rough', tool: { tcp_position_mm: [0, 0, 120], free_turn_deg: 20 }, placement: { outward_mm: 0, up_mm: 1.5, standoff_mm: 0, tilt_deg: 30, lead_deg: 0 }, motion: { speed_mm_s: 60 }, start: 'auto' };
     this.state = {
-      version: '0.1.0', simulated: true, phase: 'deciding', now: 'scan-0004 waits for a person', next: 'send the path, or scan again', scan: 'scan-0004', progress: 0.7,
+      version: '0.1.0', simulated: true, phase: 'deciding', now: 'scan-0004 waits for a person', next: 'send the path, or scan again', next_code: 'accept_or_reject', scan: 'scan-0004', progress: 0.7,
       lamps: {
-        laser: { level: 'off', words: 'dark' }, camera: { level: 'ok', words: '101 frames a second' }, robot: { level: 'warning', words: 'not in remote control: switch it on the pendant' },
-        poses: { level: 'ok', words: '500 a second' }, clock: { level: 'fault', words: 'the controller steps back' },
+        laser: { level: 'off', words: 'off: dark', code: 'laser_off', detail: '' }, camera: { level: 'ok', words: 'connected', code: 'camera_connected', detail: '' }, robot: { level: 'warning', words: 'not in remote control: switch it on the pendant', code: 'robot_wrong', detail: 'not in remote control: switch it on the pendant' },
+        poses: { level: 'ok', words: 'come in', code: 'poses_flow', detail: '' }, clock: { level: 'fault', words: 'not known yet: controller', code: 'clock_unknown', detail: 'controller' },
       },
       cycle: { this_s: 12.3, last_s: 31.5 }, model: { name: 'runner-42', probability: 0.98 }, process: 'rough', control: this.control, seq: 1,
     };

@@ -40,8 +40,40 @@ const char* phase_of(CellState state, bool on_demand) {
   return "fault";
 }
 
-Json lamp(const char* level, const std::string& words) {
-  return {{"level", level}, {"words", words}};
+/// `code` is what a page has words for, `detail` what only its source can tell (a name, a reason).
+Json lamp(const char* level, const char* code, const std::string& words, const std::string& detail = {}) {
+  return {{"level", level}, {"words", words}, {"code", code}, {"detail", detail}};
+}
+
+/// The next step as a code, of the cell's state alone.
+const char* next_code(CellState state, const CellMachine& cell, Waits waits, bool asks, bool has_arm) {
+  switch (state) {
+    case CellState::Starting:
+    case CellState::NoSensor:
+      return "sensor_called";
+    case CellState::NotReady:
+      return "robot_ready";
+    case CellState::Resting:
+      return "remove_cause";
+    case CellState::Idle:
+      return "next_scan";
+    case CellState::WaitsForStart:
+      return asks ? "look_then_start" : "start";
+    case CellState::Stopped:
+      return "start_when_clear";
+    case CellState::Scanning:
+      if (cell.shoe() == Shoe::Looking) return "person_decides";
+      return cell.shoe() == Shoe::Inspecting ? "work_judged" : "its_line";
+    case CellState::Working:
+      if (cell.goes_on()) return "person_decides";
+      return has_arm ? "its_path" : "next_scan";
+    case CellState::Held:
+      if (waits == Waits::ForModel) return "choose_model";
+      return waits == Waits::ForPath ? "mend_or_reject" : "accept_or_reject";
+    case CellState::Following:
+      return cell.shoe() == Shoe::InAir ? "person_decides" : "what_follows";
+  }
+  return "remove_cause";
 }
 
 Json clock_json(const wire::ClockState& clock) {
@@ -56,23 +88,25 @@ Json clock_json(const wire::ClockState& clock) {
 Json laser_lamp(const wire::Health& health) {
   switch (health.laser) {
     case wire::LaserState::Off:
-      return lamp("off", health.laser_reason.empty() ? "off" : "off: " + health.laser_reason);
+      return lamp("off", "laser_off", health.laser_reason.empty() ? "off" : "off: " + health.laser_reason,
+                  health.laser_reason);
     case wire::LaserState::On:
-      return lamp("ok", "on");
+      return lamp("ok", "laser_on", "on");
     case wire::LaserState::Fault:
-      return lamp("fault", "off by a fault: " + health.laser_reason);
+      return lamp("fault", "laser_fault", "off by a fault: " + health.laser_reason, health.laser_reason);
   }
-  return lamp("unknown", "not known");
+  return lamp("unknown", "not_told", "not known");
 }
 
 Json clock_lamp(const wire::Devices& devices) {
-  if (devices.clocks.empty()) return lamp("ok", "one clock");
+  if (devices.clocks.empty()) return lamp("ok", "one_clock", "one clock");
   std::string unknown;
   for (const wire::ClockState& clock : devices.clocks) {
     if (!clock.known) unknown += (unknown.empty() ? "" : ", ") + clock.name;
   }
-  if (!unknown.empty()) return lamp("warning", "not known yet: " + unknown);
-  return lamp("ok", std::to_string(devices.clocks.size()) + " known");
+  if (!unknown.empty()) return lamp("warning", "clock_unknown", "not known yet: " + unknown, unknown);
+  const std::string count = std::to_string(devices.clocks.size());
+  return lamp("ok", "clocks_known", count + " known", count);
 }
 
 }  // namespace
@@ -129,32 +163,40 @@ Json OperatorControl::state_locked() const {
   const bool connected = sensor_lost_.empty();
   Json lamps;
   if (!connected || !health_) {
-    const Json away =
-        connected ? lamp("unknown", "not told yet") : lamp("unknown", "sensor: " + sensor_lost_);
+    const Json away = connected ? lamp("unknown", "not_told", "not told yet")
+                                : lamp("unknown", "no_sensor", "sensor: " + sensor_lost_, sensor_lost_);
     for (const char* name : {"laser", "camera", "poses", "clock"}) lamps[name] = away;
   } else {
     const wire::Devices& devices = health_->devices;
     lamps["laser"] = laser_lamp(*health_);
-    lamps["camera"] = devices.camera_connected ? lamp("ok", "connected") : lamp("warning", "not open");
-    lamps["poses"] = devices.poses_flow ? lamp("ok", "come in") : lamp("warning", "none come in");
+    lamps["camera"] = devices.camera_connected ? lamp("ok", "camera_connected", "connected")
+                                               : lamp("warning", "camera_not_open", "not open");
+    lamps["poses"] = devices.poses_flow ? lamp("ok", "poses_flow", "come in")
+                                        : lamp("warning", "poses_none", "none come in");
     lamps["clock"] = clock_lamp(devices);
   }
   if (config_.arm.empty()) {
-    lamps["robot"] = lamp("off", "none: lines are found, no path is planned");
+    lamps["robot"] = lamp("off", "no_robot", "none: lines are found, no path is planned");
   } else if (!robot_asked_) {
-    lamps["robot"] = lamp("unknown", "not asked yet");
+    lamps["robot"] = lamp("unknown", "robot_not_asked", "not asked yet");
   } else {
-    lamps["robot"] = robot_wrong_.empty() ? lamp("ok", "ready") : lamp("fault", robot_wrong_);
+    lamps["robot"] = robot_wrong_.empty() ? lamp("ok", "robot_ready", "ready")
+                                          : lamp("fault", "robot_wrong", robot_wrong_, robot_wrong_);
   }
-  if (work_) lamps["work"] = lamp(work_->asks ? "warning" : "ok", work_->words);
+  if (work_)
+    lamps["work"] = lamp(work_->asks ? "warning" : "ok", work_->asks ? "work_asks" : "work_done",
+                         work_->words, work_->words);
   if (centre_)
-    lamps["centre"] = centre_->empty() ? lamp("ok", "reads every shoe") : lamp("warning", *centre_);
+    lamps["centre"] = centre_->empty() ? lamp("ok", "centre_reads", "reads every shoe")
+                                       : lamp("warning", "centre_wrong", *centre_, *centre_);
   const bool simulated = hello_ && hello_->simulated;
+  const CellState told = cell_.state(hindrance_);
   Json state{{"version", BITELINE_VERSION},
              {"simulated", simulated},
-             {"phase", phase_of(cell_.state(hindrance_), cycle_.on_demand())},
+             {"phase", phase_of(told, cycle_.on_demand())},
              {"now", now_},
              {"next", next_},
+             {"next_code", next_code(told, cell_, waits_, work_ && work_->asks, !config_.arm.empty())},
              {"scan", api::or_null(scan_)},
              {"progress", api::or_null(progress_)},
              {"lamps", std::move(lamps)},

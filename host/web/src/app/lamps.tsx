@@ -22,6 +22,21 @@ export function lamps_of(lamps: Lamp): (keyof Lamp)[] {
   return [...order, ...more];
 }
 
+/// What a lamp says.  A reason from the sensor, the controller or the centre stands as it was told, in English.
+export function LampWords({ lamp }: { lamp: Lamp[keyof Lamp] }): JSX.Element {
+  if (!lamp?.code) return <span lang="en">{lamp?.words ?? ''}</span>;
+  return (
+    <>
+      {t_or(`lamp_said_${lamp.code}`, lamp.words)}
+      {lamp.detail && (
+        <>
+          : <span lang="en">{lamp.detail}</span>
+        </>
+      )}
+    </>
+  );
+}
+
 export function Lamps({ lamps }: { lamps: Lamp }): JSX.Element {
   const [asked, set_asked] = useState<keyof Lamp | null>(null);
   const names = lamps_of(lamps);
@@ -47,7 +62,7 @@ export function Lamps({ lamps }: { lamps: Lamp }): JSX.Element {
       {told && (
         <p aria-live="polite">
           <strong>{t_or(`lamp_${told}`, told)}</strong>: {t_or(`level_${level(told)}`, level(told))},{' '}
-          <span lang="en">{lamps[told]?.words ?? ''}</span>
+          <LampWords lamp={lamps[told]} />
         </p>
       )}
     </section>

@@ -7,7 +7,7 @@ import { type Scale, gradient } from '../viewer/colours';
 import { amount, language, number, t, t_or } from '../words';
 import { call } from './api';
 import { Fresh, NotSendable, use_sendable, use_shown_version } from './fresh';
-import { lamp_signs, lamps_of } from './lamps';
+import { LampWords, lamp_signs, lamps_of } from './lamps';
 import { watch_live } from './live_data';
 import { LiveScene, type LiveColour } from './live_scene';
 import { AskWhy, Failure, Figures, Verdict, shoe_words } from './parts';
@@ -312,7 +312,7 @@ export function Decide({ scan }: { scan: ScanRow }): JSX.Element {
   );
 }
 
-/// What happens now.  The service's own sentence is English: elsewhere its phase stands before it, in words.
+/// What happens now, and next.  The service's own sentences are English: elsewhere its codes are put into words.
 function NowWords({ state }: { state: State }): JSX.Element {
   const english = language() === 'en';
   return (
@@ -320,9 +320,8 @@ function NowWords({ state }: { state: State }): JSX.Element {
       <p class="big">
         {english ? state.now : `${t(`phase_${state.phase}`)}${state.scan === null ? '' : ` (${state.scan})`}`}
       </p>
-      {!english && <p lang="en">{state.now}</p>}
       <p>
-        {t('next')} <span lang="en">{state.next}</span>
+        {t('next')} {english ? state.next : t_or(`next_is_${state.next_code ?? ''}`, '–')}
       </p>
     </>
   );
@@ -367,7 +366,7 @@ export function Live(): JSX.Element {
               <span>
                 <strong>{t_or(`lamp_${name}`, name)}</strong>: {t_or(`level_${lamp.level}`, lamp.level)}
                 <br />
-                <span lang="en">{lamp.words}</span>
+                <LampWords lamp={lamp} />
               </span>
             </li>
           );

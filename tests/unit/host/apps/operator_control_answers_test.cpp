@@ -66,6 +66,20 @@ TEST(OperatorControlAnswers, AServiceThatHasHeardOfNobodySaysSo) {
   CHECK_FALSE(ask("GET", "/sensors")["sensors"][0]["connected"].get<bool>());
 }
 
+TEST(OperatorControlAnswers, TheNextStepIsACodeOfTheCellsState) {
+  const auto told = [this] { return ask("GET", "/state")["next_code"].get<std::string>(); };
+  STRCMP_EQUAL("sensor_called", told().c_str());
+  sut->enter(CellEvent::Heard);
+  STRCMP_EQUAL("next_scan", told().c_str());
+  sut->hinder(Hindrance::Robot);
+  STRCMP_EQUAL("robot_ready", told().c_str());
+  sut->hinder(Hindrance::None);
+  sut->enter(CellEvent::Spent);
+  STRCMP_EQUAL("start", told().c_str());
+  sut->show_work("the sole is missed", true);
+  STRCMP_EQUAL("look_then_start", told().c_str());
+}
+
 TEST(OperatorControlAnswers, LampsAndSensorTellEachStateOfTheLaser) {
   wire::SensorHello hello;
   hello.name = "head";
@@ -75,10 +89,10 @@ TEST(OperatorControlAnswers, LampsAndSensorTellEachStateOfTheLaser) {
   look_everywhere();
   const struct {
     wire::LaserState state;
-    const char *laser, *level;
-  } k_cases[] = {{wire::LaserState::Off, "off", "off"},
-                 {wire::LaserState::On, "on", "ok"},
-                 {wire::LaserState::Fault, "fault", "fault"}};
+    const char *laser, *level, *code, *detail;
+  } k_cases[] = {{wire::LaserState::Off, "off", "off", "laser_off", "words"},
+                 {wire::LaserState::On, "on", "ok", "laser_on", ""},
+                 {wire::LaserState::Fault, "fault", "fault", "laser_fault", "words"}};
   for (const auto& row : k_cases) {
     wire::Health health;
     health.laser = row.state;
@@ -88,7 +102,14 @@ TEST(OperatorControlAnswers, LampsAndSensorTellEachStateOfTheLaser) {
     sut->hear(health);
     look_everywhere();
     STRCMP_EQUAL(row.laser, ask("GET", "/sensors")["sensors"][0]["laser"].get<std::string>().c_str());
-    STRCMP_EQUAL(row.level, ask("GET", "/state")["lamps"]["laser"]["level"].get<std::string>().c_str());
+    const Json state = ask("GET", "/state");
+    const Json& lamps = state["lamps"];
+    STRCMP_EQUAL(row.level, lamps["laser"]["level"].get<std::string>().c_str());
+    STRCMP_EQUAL(row.code, lamps["laser"]["code"].get<std::string>().c_str());
+    STRCMP_EQUAL(row.detail, lamps["laser"]["detail"].get<std::string>().c_str());
+    STRCMP_EQUAL("camera_not_open", lamps["camera"]["code"].get<std::string>().c_str());
+    STRCMP_EQUAL("clock_unknown", lamps["clock"]["code"].get<std::string>().c_str());
+    STRCMP_EQUAL("camera", lamps["clock"]["detail"].get<std::string>().c_str());
   }
 }
 
