@@ -155,8 +155,8 @@ Result<std::optional<Scan>> Memory::scan(const std::string& name) const {
   BITELINE_ASSIGN(const bool found, row.step());
   if (!found) return std::optional<Scan>{};
   Scan scan = scan_of(row);
-  scan.versions = row.text(37);
-  scan.details = row.text(38);
+  scan.versions = row.text(38);
+  scan.details = row.text(39);
   return std::optional<Scan>{std::move(scan)};
 }
 
