@@ -234,15 +234,8 @@ HWY_INLINE void step_all_rows(const ColumnStep& column, std::span<float> total, 
 }
 
 void step_column_lanes(const ColumnStep& column, std::span<float> total, std::int8_t* step) {
-  // The steps of the line's own paths are unrolled.
-  switch (column.penalty.size()) {
-    case 7:
-      return step_all_rows<7>(column, total, step);
-    case 9:
-      return step_all_rows<9>(column, total, step);
-    default:
-      return step_all_rows<0>(column, total, step);
-  }
+  // The steps of the ridge's own path are unrolled.
+  column.penalty.size() == 7 ? step_all_rows<7>(column, total, step) : step_all_rows<0>(column, total, step);
 }
 
 }  // namespace HWY_NAMESPACE

@@ -9,7 +9,7 @@
 #include <tbb/parallel_for.h>
 
 #include "common/core/contracts.hpp"
-#include "host/bite_line/path/closed_path.hpp"
+#include "host/bite_line/place/closed_path.hpp"
 #include "host/bite_line/simd_kernels.hpp"
 #include "host/geometry/robust.hpp"
 

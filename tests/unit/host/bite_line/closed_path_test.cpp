@@ -6,7 +6,7 @@
 #include <limits>
 #include <random>
 
-#include "host/bite_line/path/closed_path.hpp"
+#include "host/bite_line/place/closed_path.hpp"
 
 namespace biteline::bite_line {
 namespace {

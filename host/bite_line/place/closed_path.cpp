@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "host/bite_line/path/closed_path.hpp"
+#include "host/bite_line/place/closed_path.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -60,8 +60,7 @@ std::vector<int> trace_back(const Sweep& result, int rows, int count, int row) {
   return path;
 }
 
-}  // namespace
-
+/// The best of those that run through `row` of column 0.
 ClosedPath closed_path_through(std::span<const float> cost, int rows, int cols, int row,
                                const PathConfig& config) {
   // Once round from the row back to the same row: cols + 1 columns, the last being the first again.
@@ -75,6 +74,8 @@ ClosedPath closed_path_through(std::span<const float> cost, int rows, int cols, 
   path.cost = static_cast<double>(once.total[seam_row]) - static_cast<double>(cost[seam_row]);
   return path;
 }
+
+}  // namespace
 
 ClosedPath shortest_closed_path(std::span<const float> cost, int rows, int cols, const PathConfig& config) {
   BITELINE_EXPECTS(rows > 0 && cols > 1 &&

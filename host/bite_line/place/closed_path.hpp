@@ -26,8 +26,4 @@ struct PathConfig {
 [[nodiscard]] ClosedPath shortest_closed_path(std::span<const float> cost, int rows, int cols,
                                               const PathConfig& config);
 
-/// The best of those that run through `row` of column 0.
-[[nodiscard]] ClosedPath closed_path_through(std::span<const float> cost, int rows, int cols, int row,
-                                             const PathConfig& config);
-
 }  // namespace biteline::bite_line
