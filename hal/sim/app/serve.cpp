@@ -15,6 +15,7 @@
 #include "common/config/sensor_yaml.hpp"
 #include "common/options/command.hpp"
 #include "hal/sim/app/command.hpp"
+#include "hal/sim/app/target_options.hpp"
 #include "hal/sim/app/tool_options.hpp"
 #include "hal/sim/app/world_options.hpp"
 #include "hal/sim/bus/board_file.hpp"
@@ -30,6 +31,7 @@ struct ServeOptions {
   SceneOptions scene{.size = 42, .straight_holder = false, .speed_mm_s = 50, .rate_hz = 50};
   WorldOptions world;
   ToolOptions tool;
+  TargetOptions targets;
   std::string out;
   std::string wires;
   std::string camera{"127.0.0.1"};
@@ -108,6 +110,7 @@ Result<void> serve(const ServeOptions& options) {
   sigemptyset(&signals);
   sigaddset(&signals, SIGTERM);
   sigaddset(&signals, SIGINT);
+  sigaddset(&signals, SIGUSR1);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   std::signal(SIGPIPE, SIG_IGN);
   if (options.exit_with_parent) {
@@ -124,6 +127,7 @@ Result<void> serve(const ServeOptions& options) {
   settings.tool = working_tool(options.tool);
   scene.will_be_worked = settings.tool.has_value();
   settings.scene = scene;
+  settings.targets = target_show(options.targets);
   settings.wires = options.wires.empty() ? "biteline-cell-" + std::to_string(getpid()) : options.wires;
   settings.camera_address = options.camera;
   settings.arm = options.arm;
@@ -172,10 +176,10 @@ Result<void> serve(const ServeOptions& options) {
                                sim::board_yaml_text({.wires = settings.wires,
                                                      .camera = settings.camera_address,
                                                      .monostable = settings.monostable > Nanoseconds{0}})));
+  if (cell->targets() != nullptr) BITELINE_TRY(write_targets(out));
   print_endpoints(*cell, options);
 
-  int signal_number = 0;
-  sigwait(&signals, &signal_number);
+  wait_for_end(signals, *cell);
   BITELINE_TRY(cell->write_track(out / "track.csv"));
   BITELINE_TRY(cell->write_work(out / "truth"));
   print_counts(cell->counts());
@@ -193,6 +197,7 @@ void add_serve(options::Command& app, Context& context) {
   add_way_round_options(*command, options->scene);
   add_world_options(*command, options->world);
   add_tool_options(*command, options->tool);
+  add_target_options(*command, options->targets);
   command
       ->add_option("--out", options->out,
                    "Folder for board.yaml, sensor.yaml, truth/ and, at the end, track.csv")

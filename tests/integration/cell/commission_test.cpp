@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <csignal>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <thread>
@@ -205,6 +206,28 @@ TIMED_TEST(CommissionLong, WhatIsNoPictureIsNotKept) {
   capture("camera", "target.yaml", 0, 1, {"--exposure-us", "600"}, 2);
   STRCMP_CONTAINS("not kept: ", all_said().c_str());
   CHECK_FALSE(fs::exists(calib / "camera/00.png"));
+}
+
+TIMED_TEST(Commission, TheCellsProgramShowsTargetsPlaceByPlace) {
+  const fs::path out = folder.path() / "cell";
+  auto serving = ChildProcess::start(
+      {.program = BITELINE_CELL, .arguments = {"serve", "--targets", "--out", out, "--exit-with-parent"}});
+  SUCCEEDS(serving);
+  SUCCEEDS(serving->next_line(seconds{60}));
+  auto tool = ChildProcess::start(
+      {.program = BITELINE_TOOL,
+       .arguments = {"capture", "camera", calib, "--auto", "--board", out / "board.yaml", "--target",
+                     out / "target.yaml", "--pictures", "3", "--rt", "ignore"}});
+  SUCCEEDS(tool);
+  while (const auto line = tool->next_line(seconds{60})) {
+    said.push_back(*line);
+    if (line->starts_with("kept") || line->starts_with("not kept")) ::kill(serving->pid(), SIGUSR1);
+  }
+  const auto status = tool->wait(seconds{60});
+  SUCCEEDS(status);
+  LONGS_EQUAL_TEXT(0, *status, (all_said() + tool->last_words()).c_str());
+  // A picture of a place that is as one before is not kept: the head went on.
+  for (const char* picture : {"00.png", "01.png", "02.png"}) CHECK(fs::exists(calib / "camera" / picture));
 }
 
 TIMED_TEST(Commission, AnOpenDoorMeansNoLaserPicture) {
