@@ -79,6 +79,7 @@ std::span<const EndedByRow> ended_by_table() {
       EndedByRow{"work_faulty", Nobody},
       EndedByRow{"still_faulty", Nobody},
       EndedByRow{"work_unsure", Nobody},
+      EndedByRow{"work_ran_out", Nobody},
       EndedByRow{"no_change_to_tell", Nobody},
       EndedByRow{"work_not_looked_at", Nobody},
       EndedByRow{"sequence_cut", Nobody},

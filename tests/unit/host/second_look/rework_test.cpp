@@ -97,7 +97,7 @@ TEST(Rework, AllOfTheLineIsTheWorkItself) {
 
 TEST(Rework, EachReasonHasItsWords) {
   test::check_refusal_table(NoRework::ReworkedBefore);
-  test::check_refusal_table(Settle::WorkUnsure);
+  test::check_refusal_table(Settle::WorkRanOut);
 }
 
 }  // namespace biteline::second_look
