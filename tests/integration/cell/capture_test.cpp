@@ -197,8 +197,9 @@ TIMED_TEST(Capture, ExposureThatIsSixTimesTooShortIsCorrectedOnTheWay) {
   CHECK_COMPARE(median_amplitude(profiles.last(profiles.size() / 4)), >, 90);
   CHECK(outcome.end.devices.capture.has_value());
   CHECK(outcome.end.devices.capture->exposure_changes >= 2);
+  // Bright stretches before the end cut it by 0.7 again.  More than one smallest step of 1.15 is left.
   CHECK_COMPARE(outcome.end.devices.capture->exposure.count(), >,
-                cell->scene().head.model.exposure->count() / 3);
+                cell->scene().head.model.exposure->count() / 5);
   // Stamps are the middle of exposures that were changing.
   CHECK_COMPARE(rms_mm(outcome), <, k_on_surface_mm);
 }
