@@ -49,6 +49,48 @@ Result<Trend> trend_of(std::span<const TrendPoint> points) {
   return trend;
 }
 
+Result<Trend> trend_within(std::span<const std::vector<TrendPoint>> groups) {
+  Trend trend;
+  std::vector<TrendPoint> off;  // from each group's means
+  int levels = 0;
+  double mean_value = 0;
+  for (const std::vector<TrendPoint>& group : groups) {
+    if (group.empty()) continue;
+    ++levels;
+    TrendPoint mean;
+    for (const TrendPoint& point : group) {
+      mean.x += point.x / static_cast<double>(group.size());
+      mean.value += point.value / static_cast<double>(group.size());
+    }
+    for (const TrendPoint& point : group)
+      off.push_back({.x = point.x - mean.x, .value = point.value - mean.value});
+    trend.mean_x += mean.x * static_cast<double>(group.size());
+    mean_value += mean.value * static_cast<double>(group.size());
+  }
+  trend.count = static_cast<int>(off.size());
+  const int freedom = trend.count - levels - 1;
+  if (freedom < 1)
+    return fail(Errc::BadValue, "%d points in %d series: a trend has 2 more than series", trend.count,
+                levels);
+  trend.mean_x /= trend.count;
+  double products = 0;
+  for (const TrendPoint& point : off) {
+    trend.squares_x += point.x * point.x;
+    products += point.x * point.value;
+  }
+  if (!(trend.squares_x > 0)) return fail(Errc::BadValue, "all %d points at one place", trend.count);
+  trend.slope = products / trend.squares_x;
+  trend.intercept = mean_value / trend.count - trend.slope * trend.mean_x;
+  double squares = 0;
+  for (const TrendPoint& point : off) squares += std::pow(point.value - trend.slope * point.x, 2);
+  trend.residual = std::sqrt(squares / freedom);
+  trend.slope_error = trend.residual / std::sqrt(trend.squares_x);
+  trend.intercept_error =
+      trend.residual * std::sqrt(1.0 / trend.count + trend.mean_x * trend.mean_x / trend.squares_x);
+  trend.slope_u95 = student_95(freedom) * trend.slope_error;
+  return trend;
+}
+
 std::optional<Crossing> crossing_of(const Trend& trend, const Limits& limits) {
   if (!trend.sure()) return std::nullopt;
   const double limit = trend.slope > 0 ? limits.high : limits.low;

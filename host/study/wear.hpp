@@ -8,6 +8,7 @@
 
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "common/core/result.hpp"
 #include "host/study/performance.hpp"
@@ -34,6 +35,11 @@ struct TrendPoint {
 
 /// Fails: fewer than 3 points, or all at one x.
 [[nodiscard]] Result<Trend> trend_of(std::span<const TrendPoint> points);
+
+/// Of several series with one slope and a level of its own for each, as an analysis of covariance has it: the
+/// slope within the groups (Draper and Smith, section 14.3).  Intercept and mean are of all points.
+/// Fails: fewer than 2 points more than groups, or all at one x within each.
+[[nodiscard]] Result<Trend> trend_within(std::span<const std::vector<TrendPoint>> groups);
 
 /// Where the mean reaches the limit that it goes to; in x.
 struct Crossing {

@@ -134,7 +134,7 @@ export class FakeCell {
     this.checks = 0;
     this.most_checks = 0;
     this.view_fails = false;
-    this.mounted = { version: 0, tool: null, shelf: {}, tip: null, payload: null, table: null, lesson: null, controller: null };
+    this.mounted = { version: 0, tool: null, shelf: {}, tip: null, payload: null, lines: null, renewed: null, table: null, lesson: null, controller: null, wear: {} };
     /// So long the gate lets the scan that waits through; null: not at all.
     this.fresh_s = 95;
     this.calls = [];
@@ -334,12 +334,16 @@ export class FakeCell {
     mounted.version += 1;
     if (method === 'DELETE') mounted[name] = null;
     else if (name === 'tool') {
-      if (mounted.tool) mounted.shelf[mounted.tool.name] = { tip: mounted.tip, payload: mounted.payload };
+      if (mounted.tool) mounted.shelf[mounted.tool.name] = { tip: mounted.tip, payload: mounted.payload, lines: mounted.lines, renewed: mounted.renewed };
       mounted.tool = { ...how, name: given.name };
       if (this.tool_wanted === given.name) {
         this.tool_wanted = this.not_sendable = null;
         this.push('state', this.told_state());
       }
+    } else if (name === 'renewed') {
+      mounted.renewed = how;
+    } else if (name === 'lines') {
+      mounted.lines = { ...how, ...given };
     } else if (name === 'payload') {
       mounted.payload = { ...how, kg: given.kg, centre_mm: given.centre_mm };
       mounted.controller = { tip_mm: [0, 0, 180], payload_kg: 0.5, payload_centre_mm: [0, 0, 20], carries_as_taught: false };

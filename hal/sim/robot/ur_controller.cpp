@@ -59,6 +59,7 @@ UrController::UrController(const Config& config, Arm& arm, OnCycle on_cycle)
       values_(arm.kinematics()),
       runner_(arm, 1.0 / config.rate_hz),
       force_(config.force, config.touch),
+      turret_{config.turret ? std::optional<ToolTurret>{*config.turret} : std::nullopt},
       slider_wish_{config.speed_slider_ratio},
       pace_ratio_{config.speed_slider_ratio} {
   runner_.set_beside(
@@ -247,7 +248,10 @@ void UrController::cycle(std::uint64_t number) {
   watch_safety(instant);
   values_.set_mode(power_.mode(instant));
   values_.set_protective_stop(protective_stop_);
-  values_.set_digital_inputs(digital_inputs_);
+  const std::uint64_t turret =
+      turret_ ? turret_->step(1e-9 * static_cast<double>(instant.time_since_epoch().count()), state.outputs)
+              : 0;
+  values_.set_digital_inputs(digital_inputs_ | turret);
   values_.advance(state, real, static_cast<double>(stamp.count()) * 1e-9);
   send_states(number, state);
   for (const auto& client : rtde_clients_) {

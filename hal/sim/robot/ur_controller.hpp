@@ -7,6 +7,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <thread>
 #include <vector>
 
@@ -17,6 +18,7 @@
 #include "hal/sim/robot/robot_api.hpp"
 #include "hal/sim/robot/script_runner.hpp"
 #include "hal/sim/robot/tcp.hpp"
+#include "hal/sim/robot/tool_turret.hpp"
 #include "hal/sim/robot/ur_values.hpp"
 
 namespace biteline::sim {
@@ -53,6 +55,7 @@ class UrController {
     /// The force sensor and force mode of the arm, and what the tool meets; none: nothing.
     ForceFacts force{};
     Touch touch{};
+    std::optional<TurretFacts> turret{};  ///< wired to its digital lines
   };
   struct Ports {
     std::uint16_t rtde, script, dashboard, robot_api, primary;  ///< 0: it has none
@@ -153,6 +156,7 @@ class UrController {
   UrValues values_;
   ScriptRunner runner_;
   ForceControl force_;
+  std::optional<ToolTurret> turret_;
   TcpListener rtde_listener_, script_listener_, dashboard_listener_, robot_api_listener_, primary_listener_;
   std::shared_ptr<rtde::InputOwners> input_owners_{std::make_shared<rtde::InputOwners>()};
   std::atomic<bool> remote_control_{true}, protective_stop_{false}, close_scripts_{false};

@@ -10,6 +10,7 @@
 #include "host/apps/biteline-host/late_work.hpp"
 #include "host/apps/biteline-host/scan_row.hpp"
 #include "host/apps/biteline-host/service_words.hpp"
+#include "host/apps/biteline-host/tool_step.hpp"
 #include "host/records/digest/digest.hpp"
 #include "host/records/evidence/evidence.hpp"
 #include "host/records/results/plan_result.hpp"
@@ -94,10 +95,12 @@ robot::GateInputs gate_inputs(const PlanStep& plan, const SendRequest& request) 
                                                 path::carried(process, request.mounted))};
   if (!process.tool.name.empty()) {
     inputs.result.tool = process.tool.name;
-    inputs.result.mounted_tool = request.mounted.tool;
+    // What a changer brings is asked for when all else holds.
+    inputs.result.mounted_tool = request.mounted.changer ? process.tool.name : request.mounted.tool;
   }
   inputs.result.tip_from_taught_mm = path::tip_off_mm(process, request.mounted);
   inputs.result.payload_as_taught = path::carries_as_taught(process, request.mounted);
+  inputs.result.output_as_taught = path::switches_as_taught(process, request.mounted);
   if (request.mounted.table_z_mm)
     inputs.result.table_from_taught_mm = std::abs(plan.request.table_z_mm - *request.mounted.table_z_mm);
   inputs.files = files_of(request);
@@ -262,6 +265,7 @@ bool needs_a_person(const path::GateLimits& limits, double confidence) {
 Result<ExitStatus> follow_path(const fs::path& folder, const PlanStep& plan, const SendRequest& request,
                                std::function<Result<void>()> meanwhile,
                                const std::function<void(const path::ForceTold&)>& pressed) {
+  const path::Process& process = plan.request.process;
   robot::GateInputs inputs = gate_inputs(plan, request);
   inputs.scan.sent_before = was_sent(folder);
   inputs.scan.stopped = request.mark.stopped();
@@ -284,15 +288,25 @@ Result<ExitStatus> follow_path(const fs::path& folder, const PlanStep& plan, con
       path::find_way_there(still->q_rad, *plan.outcome.path, plan.request.arm, collisions);
   if (!way.path) log_step("%s comes as near as %.1f mm", way.check.detail.c_str(), way.check.value);
   BITELINE_TRY(ask_about_itself(request.controller, plan.request.arm, *still, inputs.arm));
+  inputs.result.path_passed = way.path.has_value();
+  inputs.result.way_clearance_mm = way.check.value;
+  inputs.arm.asked = true;
+  inputs.arm.q_checked_rad = inputs.arm.q_now_rad = still->q_rad;
+  if (request.mounted.changer) {
+    if (!robot::passed(robot::judge(inputs))) return say_refused(folder, inputs);
+    log_step("asks the changer for %s", process.tool.name.c_str());
+    const BroughtTool brought = bring_tool(request, process.tool, plan.outcome.surroundings,
+                                           still->T_base_tcp * still->T_flange_tcp.inverse());
+    if (request.tool_stands) request.tool_stands(brought.stands);
+    inputs.result.mounted_tool = brought.stands;
+    if (!brought.trouble.empty()) inputs.result.changer_trouble = brought.trouble;
+    if (request.mark.stopped()) return stopped();
+  }
   // Right before the sending, and before the arm is looked at for the last time.
   inputs.files = files_of(request);
   BITELINE_ASSIGN(const robot::RobotState now, link->latest());
 
   tell_age(request, inputs);
-  inputs.result.path_passed = way.path.has_value();
-  inputs.result.way_clearance_mm = way.check.value;
-  inputs.arm.asked = true;
-  inputs.arm.q_checked_rad = still->q_rad;
   inputs.arm.q_now_rad = now.q_rad;
   inputs.scan.stopped = request.mark.stopped();
   const robot::GateOutcome gate =
@@ -308,7 +322,6 @@ Result<ExitStatus> follow_path(const fs::path& folder, const PlanStep& plan, con
   if (const Result<void> written = beside.get(); !written) log_error(written.error());
   if (!followed.sent && request.mark.stopped()) return stopped();
   // As far as it went, also when it was stopped.
-  const path::Process& process = plan.request.process;
   const std::optional<path::ForceTold> force = path::force_told(
       plan.outcome.path->path(), followed.track, process.force_learned.value_or(path::ForceLearned{}));
   BITELINE_TRY(write_followed(folder, followed, link->has_dead_man(), process, force));

@@ -39,7 +39,9 @@ struct SendRequest {
   double confidence{0};                   ///< of the line
   std::optional<robot::Word> approved{};  ///< a person's, on this result
   std::optional<HostClock::time_point> scan_ended{};
-  path::Mounted mounted{};                      ///< as it is taught when the path is sent
+  path::Mounted mounted{};  ///< as it is taught when the path is sent
+  /// Hears which tool stands after a changer was asked; nothing: nobody knows.
+  std::function<void(const std::optional<std::string>&)> tool_stands{};
   robot::StopMark mark{};                       ///< of the order that the scan came of
   robot::ur::ArmClaim* claim{nullptr};          ///< of the dead man; outlives the following
   robot::ur::PendantWatch* pendant{nullptr};    ///< rests meanwhile, and is told; outlives the following
@@ -50,10 +52,10 @@ struct SendRequest {
   std::filesystem::path process_file{};         ///< where its process was read
 };
 
-/// Where the arm stands, checks its way to the path from there, asks the controller about itself, opens the
-/// gate (gate.json), sends the path, watches the arm follow: followed.json, track.csv, and the track in
-/// path/tracking.html.  The arm is stopped when it leaves the process's limits and when somebody says stop; a
-/// stop before the sending is the gate's no.
+/// Where the arm stands, checks its way to the path from there, asks the controller about itself, has a
+/// changer bring the process's tool when all else holds, opens the gate (gate.json), sends the path, watches
+/// the arm follow: followed.json, track.csv, and the track in path/tracking.html.  The arm is stopped when it
+/// leaves the process's limits and when somebody says stop; a stop before the sending is the gate's no.
 /// `meanwhile` runs beside the arm's motion, at the least priority; what fails in it is told.
 /// `pressed` hears the force of a path that pressed and came to its end.
 /// Pre: the plan has a path.

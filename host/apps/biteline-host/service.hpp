@@ -416,8 +416,8 @@ class Service {
   [[nodiscard]] bool holds_arm() const;
   /// Pre: there is a robot.
   [[nodiscard]] ControllerAddress controller() const;
-  /// What was taught of the process's tool, and which one is mounted; one that cannot be read is an Error, so
-  /// that nothing is planned or sent unchecked.
+  /// What was taught of the process's tool, whether a changer brings it, and which one is mounted; one that
+  /// cannot be read is an Error, so that nothing is planned or sent unchecked.
   [[nodiscard]] Result<path::Mounted> mounted(const path::Process& process) const;
   /// Whose force is learned; nothing: the process has none, or nobody knows the model.
   [[nodiscard]] Result<std::optional<force_book::Subject>> force_subject(const Chosen& chosen) const;
@@ -432,6 +432,11 @@ class Service {
   /// The same; an exception of it is an Error.
   [[nodiscard]] WorkedOut path_without_exceptions(Scan& scan, const intake::ScanOutcome& outcome,
                                                   LineStep& line, bool waits);
+  /// The changer turns its tools where the arm comes to rest after `process`: higher up, where `next` needs
+  /// another tool of it.
+  void make_room_for(const path::Process& next, path::Process& process) const;
+  /// A changer was asked: into the record, where it is another one; nothing: nobody knows.
+  void keep_tool_that_stands(const std::optional<std::string>& name) const;
   /// Without the arm's claim a path is refused.
   [[nodiscard]] SendRequest send_request(const Scan& scan, const intake::ScanOutcome& outcome,
                                          const LineStep& line, const path::Mounted& taught) const;

@@ -88,7 +88,7 @@ void Service::tell_held(const HeldScan& held, bool again) {
     shown.waits = has_path ? Waits::ForWord : Waits::ForPath;
     shown.version = version_of(held.scan.folder, held.scan.chosen.written);
     const path::Process& process = planned->plan.request.process;
-    if (path::has_its_tool(process, planned->request.mounted) == false) shown.tool = process.tool.name;
+    if (path::waits_for_its_tool(process, planned->request.mounted)) shown.tool = process.tool.name;
     if (has_path) {
       shown.not_sendable = why_not_sendable(held.scan.folder, planned->plan, planned->request);
       shown.fresh_s = fresh_s(planned->plan, planned->request);

@@ -26,6 +26,7 @@ path::Process Service::process_to_plan(const Chosen& chosen) const {
   // Without it the set force alone is asked for: that is no fault of the shoe.
   if (!learned) log_error(learned.error());
   if (learned) process.force_learned = *learned;
+  if (!chosen.following.empty()) make_room_for(chosen.following.front().process, process);
   return process;
 }
 
@@ -43,9 +44,9 @@ void Service::learn_force(const Chosen& chosen, const std::string& name, const p
       log_step("%s teaches nothing of the force: it was planned before what is learned now", name.c_str());
       return {};
     }
-    BITELINE_ASSIGN(
-        const force_book::Entry entry,
-        force_book::learn_shoe(operator_control_->memory(), *of, planned.force->set_newton, name, told));
+    BITELINE_ASSIGN(const force_book::Entry entry,
+                    force_book::learn_shoe(operator_control_->memory(), *of, planned.force->set_newton, name,
+                                           told, planned.tool.name));
     log_step("the force on %s is %s", of->model.c_str(), force_book::words_of(entry.learned).c_str());
     return {};
   }();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // A line becomes a path and a motion, at once or after a person's word.
+#include <algorithm>
 #include <utility>
 
 #include "host/apps/biteline-host/next_of.hpp"
@@ -10,6 +11,7 @@
 #include "host/records/evidence/evidence.hpp"
 #include "host/records/mounted/mounted_record.hpp"
 #include "host/records/results/plan_result.hpp"
+#include "host/robot/link/ur/tool_changer.hpp"
 
 namespace biteline::service {
 namespace {
@@ -31,7 +33,33 @@ ControllerAddress Service::controller() const {
 
 Result<path::Mounted> Service::mounted(const path::Process& process) const {
   BITELINE_ASSIGN(const mounted::Record record, mounted::read_record(operator_control_->memory()));
-  return record.mounted(process.tool.name);
+  path::Mounted mounted = record.mounted(process.tool.name);
+  // Lines of a Universal Robots' controller: the generic protocol has none.
+  if (locks_.other) mounted.changer.reset();
+  return mounted;
+}
+
+void Service::keep_tool_that_stands(const std::optional<std::string>& name) const {
+  memory::Memory& memory = operator_control_->memory();
+  const mounted::Hand hand{.who = "changer", .door = "controller"};
+  const auto keep = [&]() -> Result<void> {
+    BITELINE_ASSIGN(const mounted::Record record, mounted::read_record(memory));
+    const std::string before = record.tool ? record.tool->name : std::string{};
+    if (before == name.value_or("")) return {};
+    if (name) return mounted::mount_tool(memory, *name, hand).map([](const auto&) {});
+    return mounted::forget(memory, mounted::Part::Tool, hand).map([](const auto&) {});
+  };
+  if (const Result<void> kept = keep(); !kept) log_error(kept.error());
+  operator_control_->tool_mounted();
+}
+
+void Service::make_room_for(const path::Process& next, path::Process& process) const {
+  const Result<path::Mounted> taught = mounted(next);
+  // What cannot be read stops the next process, and not this one.
+  if (!taught) return log_error(taught.error());
+  if (!taught->changer || next.tool.name == process.tool.name) return;
+  process.motion.lift_mm =
+      std::max(process.motion.lift_mm, robot::ur::room_to_change_mm(*taught->changer, next.tool));
 }
 
 SendRequest Service::send_request(const Scan& scan, const intake::ScanOutcome& outcome, const LineStep& line,
@@ -46,6 +74,7 @@ SendRequest Service::send_request(const Scan& scan, const intake::ScanOutcome& o
           .approved = {},
           .scan_ended = scan.recovered ? std::nullopt : scan.ended,
           .mounted = taught,
+          .tool_stands = [this](const std::optional<std::string>& name) { keep_tool_that_stands(name); },
           .mark = scan.mark,
           .claim = locks_.claim.get(),
           .pendant = pendant_.get(),
@@ -65,7 +94,7 @@ std::string Service::looks_of(const Chosen& chosen, const path::Mounted& mounted
   const path::Process& process = taken_of(chosen).process;
   if (chosen.foot.empty() && path::needs_foot(process))
     add("the process has stretches of a " + process.foot + " shoe, and nobody knows this one's foot");
-  if (path::has_its_tool(process, mounted) == false)
+  if (path::waits_for_its_tool(process, mounted))
     add("the tool " + process.tool.name + " is to be mounted; " +
         (mounted.tool ? *mounted.tool + " is" : "nobody has said which one is"));
   return looks;

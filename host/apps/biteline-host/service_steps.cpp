@@ -156,7 +156,7 @@ Result<void> Service::plan_step(AfterWork& after) const {
   if (scan.chosen.rework)
     request.process.only = pieces_of(*scan.chosen.rework);
   else
-    request.process = process_of(scan.chosen);
+    request.process = process_to_plan(scan.chosen);
   BITELINE_ASSIGN(request.mounted, mounted(request.process));
   request.table_z_mm = request.mounted.table_z_mm.value_or(robot_->options.table_z_mm);
   cloud::ClosedLine line = request.line;

@@ -7,6 +7,7 @@
 #include "common/system/user_name.hpp"
 #include "common/wire/endpoint.hpp"
 #include "host/apps/biteline/command.hpp"
+#include "host/records/force_book/tool_wear.hpp"
 #include "host/records/mounted/mounted_record.hpp"
 #include "host/report/file_lock.hpp"
 #include "host/robot/link/ur/arm_look.hpp"
@@ -21,6 +22,9 @@ struct MountedOptions {
   fs::path results, touches;
   std::string teach, forget, mount, arm, who;
   std::vector<double> payload;  // kg, then the centre in the flange [mm]
+  bool renew{false};
+  std::optional<int> on_output;
+  std::vector<double> changer;  // the output that asks, the input that tells
 };
 
 std::string words_of(const kinematics::Touched& touched, Lesson::Part part) {
@@ -89,6 +93,16 @@ std::string words_of(const mounted::Taught& how) {
   return words;
 }
 
+std::string words_of(const mounted::Lines& lines) {
+  std::string words;
+  if (lines.lines.on_output) words = "output " + std::to_string(*lines.lines.on_output) + " switches it on";
+  if (lines.lines.changer)
+    words += (words.empty() ? "" : "; ") + std::string{"output "} +
+             std::to_string(lines.lines.changer->ask_output) + " asks the changer for it, input " +
+             std::to_string(lines.lines.changer->there_input) + " tells that it stands";
+  return words + words_of(lines.how);
+}
+
 std::string words_of(const mounted::Record& record) {
   using Text = FixedText<200>;
   std::string words = "tool     ";
@@ -114,25 +128,60 @@ std::string words_of(const mounted::Record& record) {
   } else {
     words += "not taught";
   }
+  words += "\nlines    ";
+  words += record.lines ? words_of(*record.lines) : "not taught";
   words += "\ntable    ";
   words += record.table ? Text::format("%.2f mm", record.table->z_mm).c_str() + words_of(record.table->how)
                         : std::string{"not taught"};
   return words;
 }
 
-Result<ExitStatus> show(const mounted::Record& record, report::Report& report, const GlobalOptions& global) {
+/// Of the tools that have pressed a shoe.
+Result<std::string> tell_wear(const mounted::Record& record, const memory::Memory& memory,
+                              report::Report& report) {
+  BITELINE_ASSIGN(const std::vector<force_book::Entry> pressed, force_book::read_all(memory));
+  std::string words;
+  const auto add = [&](const std::string& tool, const std::optional<mounted::Taught>& renewed) {
+    const force_book::ToolWear wear = force_book::wear_of_tool(pressed, tool, renewed ? renewed->time : 0);
+    if (wear.shoes == 0) return;
+    report.fields["wear"][tool] = force_book::to_json(wear);
+    words += "\nwear     " + tool + ": " + force_book::words_of(wear) +
+             (renewed ? ", since " + memory::to_iso(renewed->time) : "");
+  };
+  if (record.tool) add(record.tool->name, record.renewed);
+  for (const auto& [name, taught] : record.shelf) add(name, taught.renewed);
+  return words;
+}
+
+Result<ExitStatus> show(const mounted::Record& record, const memory::Memory& memory, report::Report& report,
+                        const GlobalOptions& global) {
   report.fields["mounted"] = mounted::to_json(record);
+  BITELINE_ASSIGN(const std::string wear, tell_wear(record, memory, report));
   // What is mounted is the result: --quiet leaves it.
-  return tell(report, {.quiet = false, .json = global.json}, words_of(record));
+  return tell(report, {.quiet = false, .json = global.json}, words_of(record) + wear);
+}
+
+/// What is not told of them stays as it was.
+Result<mounted::Record> keep_lines(memory::Memory& memory, const MountedOptions& options,
+                                   const mounted::Hand& hand) {
+  BITELINE_ASSIGN(const mounted::Record record, mounted::read_record(memory));
+  path::ToolLines lines = record.lines ? record.lines->lines : path::ToolLines{};
+  if (options.on_output) lines.on_output = options.on_output;
+  if (!options.changer.empty())
+    lines.changer = path::ChangerLines{.ask_output = static_cast<int>(options.changer[0]),
+                                       .there_input = static_cast<int>(options.changer[1])};
+  return mounted::keep_lines(memory, lines, hand);
 }
 
 Result<ExitStatus> run_mounted(const MountedOptions& options, const GlobalOptions& global) {
   report::Report report;
   const fs::path file = options.results / memory::k_memory_file;
-  if (options.teach.empty() && options.forget.empty() && options.mount.empty() && options.payload.empty()) {
+  const bool of_lines = options.on_output || !options.changer.empty();
+  if (options.teach.empty() && options.forget.empty() && options.mount.empty() && options.payload.empty() &&
+      !of_lines && !options.renew) {
     BITELINE_ASSIGN(const memory::Memory memory, memory::Memory::open_to_read(file));
     BITELINE_ASSIGN(const mounted::Record record, mounted::read_record(memory));
-    return show(record, report, global);
+    return show(record, memory, report, global);
   }
   if (!options.teach.empty() && options.touches.empty() == options.arm.empty())
     return fail(Errc::InvalidArgument, "--teach needs --touches or --arm, one of them");
@@ -146,21 +195,29 @@ Result<ExitStatus> run_mounted(const MountedOptions& options, const GlobalOption
   if (!options.forget.empty()) {
     BITELINE_ASSIGN(const mounted::Record record,
                     mounted::forget(memory, *mounted::part_of(options.forget), hand));
-    return show(record, report, global);
+    return show(record, memory, report, global);
   }
   if (!options.mount.empty()) {
     BITELINE_ASSIGN(const mounted::Record record, mounted::mount_tool(memory, options.mount, hand));
-    return show(record, report, global);
+    return show(record, memory, report, global);
   }
   if (!options.payload.empty()) {
     const path::Payload payload{
         .mass_kg = options.payload[0],
         .centre_flange_mm = {options.payload[1], options.payload[2], options.payload[3]}};
     BITELINE_ASSIGN(const mounted::Record record, mounted::keep_payload(memory, payload, hand));
-    return show(record, report, global);
+    return show(record, memory, report, global);
+  }
+  if (options.renew) {
+    BITELINE_ASSIGN(const mounted::Record record, mounted::renew_tool(memory, hand));
+    return show(record, memory, report, global);
+  }
+  if (of_lines) {
+    BITELINE_ASSIGN(const mounted::Record record, keep_lines(memory, options, hand));
+    return show(record, memory, report, global);
   }
   BITELINE_ASSIGN(const mounted::Record record, teach(memory, options, hand, report));
-  return show(record, report, global);
+  return show(record, memory, report, global);
 }
 
 }  // namespace
@@ -192,12 +249,40 @@ void add_mounted(options::Command& app, Context& context) {
                       ->excludes(teach);
   auto* mount = command
                     ->add_option("--mount", options->mount,
-                                 "This tool is mounted now: tip and payload are what was taught of it")
+                                 "This tool is mounted now: tip, payload and lines are what was taught of it")
                     ->excludes(teach)
                     ->excludes(payload);
+  const options::Check line = options::whole_number(0, 7);
+  auto* renew = command
+                    ->add_flag("--renew", options->renew,
+                               "The mounted tool has a new disc, brush or roller: its wear counts from now")
+                    ->excludes(teach)
+                    ->excludes(payload)
+                    ->excludes(mount);
+  auto* on_output =
+      command
+          ->add_option("--on-output", options->on_output,
+                       "The controller's digital output, 0 to 7, that switches the mounted tool "
+                       "on: its processes must switch this one")
+          ->check(line)
+          ->excludes(teach)
+          ->excludes(payload)
+          ->excludes(mount);
+  auto* changer = command
+                      ->add_option("--changer", options->changer,
+                                   "Place of the mounted tool in a changer: the digital output that asks for "
+                                   "it, and the digital input that tells that it stands")
+                      ->check(line)
+                      ->expected(2)
+                      ->excludes(teach)
+                      ->excludes(payload)
+                      ->excludes(mount);
   command
       ->add_option("--forget", options->forget, "Forget what was taught of this part: it is checked no more")
-      ->check(options::one_of({"tip", "payload", "table", "tool"}))
+      ->check(options::one_of({"tip", "payload", "table", "tool", "lines", "renewed"}))
+      ->excludes(renew)
+      ->excludes(on_output)
+      ->excludes(changer)
       ->excludes(teach)
       ->excludes(mount)
       ->excludes(payload);

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "host/interfaces/api/mounted.hpp"
 
+#include <cmath>
+
 #include "common/core/fixed_text.hpp"
 #include "common/core/text_bounds.hpp"
 #include "host/interfaces/api/api.hpp"
 #include "host/interfaces/api/json_fields.hpp"
+#include "host/records/force_book/tool_wear.hpp"
 #include "host/records/mounted/mounted_record.hpp"
 
 namespace biteline::api {
@@ -16,13 +19,27 @@ namespace {
 
 /// A person takes the hand off the arm no sooner.
 constexpr std::chrono::seconds k_latest_touch{2};
+/// Of a controller's standard digital inputs and outputs.
+constexpr double k_last_line = 7;
 
 Json list(const Vec3& v) {
   return Json::array({v.x(), v.y(), v.z()});
 }
 
 Answer no_such_part() {
-  return control::refusal(404, "not_found", "tip, payload or table expected");
+  return control::refusal(404, "not_found", "tip, payload, lines, renewed or table expected");
+}
+
+/// By the tools' names, of those that have pressed a shoe.
+Json wear_json(const mounted::Record& record, std::span<const force_book::Entry> pressed) {
+  Json json = Json::object();
+  const auto add = [&](const std::string& tool, const std::optional<mounted::Taught>& renewed) {
+    const force_book::ToolWear wear = force_book::wear_of_tool(pressed, tool, renewed ? renewed->time : 0);
+    if (wear.shoes > 0) json[tool] = force_book::to_json(wear);
+  };
+  if (record.tool) add(record.tool->name, record.renewed);
+  for (const auto& [name, taught] : record.shelf) add(name, taught.renewed);
+  return json;
 }
 
 /// What the controller said, beside what was taught.
@@ -74,6 +91,9 @@ Answer MountedRoom::read() {
   Json json = mounted::to_json(*record);
   json["lesson"] = lesson_json();
   json["controller"] = look_json(look_, *record);
+  const Result<std::vector<force_book::Entry>> pressed = force_book::read_all(memory_);
+  if (!pressed) return answer_of(pressed.error());
+  json["wear"] = wear_json(*record, *pressed);
   return ok(std::move(json));
 }
 
@@ -150,6 +170,12 @@ Answer MountedRoom::keep(const std::string& part, const Json& body, const std::s
     look_ = look ? std::optional{*look} : std::nullopt;
     return read();
   }
+  if (part == "lines") return keep_lines(fields, hand);
+  if (part == "renewed") {
+    if (const std::optional<Answer> faults = fields.faults()) return *faults;
+    const auto kept = mounted::renew_tool(memory_, hand);
+    return kept ? read() : answer_of(kept.error());
+  }
   if (part != "tip" && part != "table") return no_such_part();
   if (const std::optional<Answer> faults = fields.faults()) return *faults;
   const Lesson::Part wanted = part == "tip" ? Lesson::Part::Tip : Lesson::Part::Table;
@@ -161,6 +187,25 @@ Answer MountedRoom::keep(const std::string& part, const Json& body, const std::s
   if (!kept) return answer_of(kept.error());
   lesson_.end();
   return read();
+}
+
+Answer MountedRoom::keep_lines(Fields& fields, const mounted::Hand& hand) {
+  const auto line = [&](const char* name) -> std::optional<int> {
+    const std::optional<double> number = fields.number(name, 0, k_last_line);
+    if (!number) return std::nullopt;
+    if (std::floor(*number) != *number) fields.fault(name, "a whole number expected");
+    return static_cast<int>(*number);
+  };
+  const std::optional<int> ask_output = line("ask_output"), there_input = line("there_input");
+  path::ToolLines lines{.on_output = line("on_output"), .changer = {}};
+  if (ask_output && there_input)
+    lines.changer = path::ChangerLines{.ask_output = *ask_output, .there_input = *there_input};
+  else if (ask_output || there_input)
+    fields.fault(ask_output ? "there_input" : "ask_output",
+                 "a changer's place has an output that asks for it and an input that tells");
+  if (const std::optional<Answer> faults = fields.faults()) return *faults;
+  const auto kept = mounted::keep_lines(memory_, lines, hand);
+  return kept ? read() : answer_of(kept.error());
 }
 
 Answer MountedRoom::mount(const Json& body, const std::string& who, const std::string& door) {

@@ -6,7 +6,9 @@
 #include <optional>
 
 #include "host/interfaces/api/cell.hpp"
+#include "host/interfaces/api/json_fields.hpp"
 #include "host/records/memory/memory.hpp"
+#include "host/records/mounted/mounted_record.hpp"
 #include "host/robot/kinematics/touch_lesson.hpp"
 
 namespace biteline::api {
@@ -31,6 +33,7 @@ class MountedRoom {
 
  private:
   [[nodiscard]] Json lesson_json() const;
+  [[nodiscard]] control::Answer keep_lines(Fields& fields, const mounted::Hand& hand);
 
   memory::Memory& memory_;
   Cell& cell_;

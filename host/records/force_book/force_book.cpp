@@ -15,6 +15,7 @@ using nlohmann::ordered_json;
 /// In the memory's settings: a list of keys, and an entry under each.
 constexpr const char* k_list_key = "force_learned";
 constexpr double k_most_newton = 250, k_most_count = 1e9;
+constexpr double k_latest_ms = 1e15;
 constexpr std::array k_error_keys{"error_x_n", "error_y_n", "error_z_n"};
 
 std::string key_of(const Subject& of) {
@@ -75,7 +76,9 @@ ordered_json text_of(const Entry& entry) {
                               {"within", shoe.within},
                               {"mean_n", shoe.mean_newton},
                               {"largest_n", shoe.largest_newton},
-                              {"along_mm", shoe.along_mm}});
+                              {"along_mm", shoe.along_mm},
+                              {"tool", shoe.tool},
+                              {"time_ms", shoe.time}});
   return json;
 }
 
@@ -108,6 +111,9 @@ std::optional<Entry> entry_of(const std::string& text) {
                            .mean_newton = shoe.number("mean_n", k_most_count),
                            .largest_newton = shoe.number("largest_n", k_most_count),
                            .along_mm = shoe.number("along_mm", k_most_count)});
+    if (!one.contains("tool")) continue;
+    entry.shoes.back().tool = shoe.text("tool");
+    entry.shoes.back().time = static_cast<memory::UnixMs>(shoe.number("time_ms", k_latest_ms));
   }
   if (!good) return std::nullopt;
   return entry;
@@ -210,14 +216,16 @@ Result<std::vector<Entry>> read_all(const memory::Memory& memory) {
 }
 
 Result<Entry> learn_shoe(memory::Memory& memory, const Subject& of, double set_newton,
-                         const std::string& scan, const path::ForceTold& told) {
+                         const std::string& scan, const path::ForceTold& told, const std::string& tool) {
   BITELINE_ASSIGN(Entry entry, begin(memory, of, set_newton));
   path::learn_shoe(entry.learned, told.learn, told.place);
   entry.shoes.push_back({.scan = scan,
                          .within = told.within,
                          .mean_newton = told.mean_newton,
                          .largest_newton = told.largest_newton,
-                         .along_mm = told.along_mm});
+                         .along_mm = told.along_mm,
+                         .tool = tool,
+                         .time = memory::now_ms()});
   if (entry.shoes.size() > k_shoes_kept) entry.shoes.erase(entry.shoes.begin());
   BITELINE_TRY(put(memory, entry, scan));
   return entry;

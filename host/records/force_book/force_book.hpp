@@ -31,6 +31,8 @@ struct Subject {
 struct ShoeForce {
   std::string scan;
   double within{0}, mean_newton{0}, largest_newton{0}, along_mm{0};
+  std::string tool{};      ///< that its process names; empty: none, or of an older program
+  memory::UnixMs time{0};  ///< 0: of an older program
 };
 inline constexpr std::size_t k_shoes_kept = 200;
 
@@ -53,7 +55,8 @@ struct Entry {
 
 /// Here and below change and log line are one transaction; the answer is the entry as it is now.
 [[nodiscard]] Result<Entry> learn_shoe(memory::Memory& memory, const Subject& of, double set_newton,
-                                       const std::string& scan, const path::ForceTold& told);
+                                       const std::string& scan, const path::ForceTold& told,
+                                       const std::string& tool = {});
 /// What the sensor told beside the shoe.
 [[nodiscard]] Result<Entry> learn_air(memory::Memory& memory, const Subject& of, double set_newton,
                                       const std::string& scan, std::span<const path::ForceSample> samples);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "host/records/mounted/mounted_record.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
@@ -11,12 +12,13 @@ namespace {
 using nlohmann::ordered_json;
 
 constexpr const char* k_key = "mounted";
-constexpr std::array k_parts{"tip", "payload", "table", "tool"};
+constexpr std::array k_parts{"tip", "payload", "table", "tool", "lines", "renewed"};
 /// Older records know no names.
 constexpr std::size_t k_parts_always = 3;
 constexpr double k_farthest_mm = 1000;  // as of a process's tip and centre of mass
 constexpr double k_most_kg = 20;
 constexpr double k_highest_mm = 5000;  // of a table, from the robot's base
+constexpr int k_last_line = 7;         // of a controller's standard digital lines
 
 ordered_json list(const Vec3& v) {
   return ordered_json::array({v.x(), v.y(), v.z()});
@@ -97,8 +99,44 @@ Result<Record> keep(memory::Memory& memory, const Record& before, Record now, Pa
   return now;
 }
 
+/// Two tools may be switched on by one output; a changer's place has lines of its own.
+bool clash(const path::ToolLines& one, const path::ToolLines& other) {
+  const auto asks_by = [](const path::ToolLines& lines, std::optional<int> output) {
+    return lines.changer && output == lines.changer->ask_output;
+  };
+  if (asks_by(one, other.on_output) || asks_by(other, one.on_output)) return true;
+  if (!one.changer || !other.changer) return false;
+  return one.changer->ask_output == other.changer->ask_output ||
+         one.changer->there_input == other.changer->there_input;
+}
+
 Taught taught(const Record& before, const Hand& hand) {
   return {.version = before.version + 1, .who = hand.who, .time = memory::now_ms()};
+}
+
+}  // namespace
+
+namespace {
+
+/// Nobody knows what is on the flange where no tool is named, and a tool that a person mounts is in the way.
+std::optional<path::Changer> changer_for(const Record& record, const std::string& name) {
+  if (!record.tool || !record.lines || !record.lines->lines.changer) return std::nullopt;
+  path::Changer changer;
+  bool has = false;
+  const auto add = [&](const std::string& tool, const std::optional<Lines>& lines,
+                       const std::optional<Tip>& tip) {
+    if (!lines || !lines->lines.changer) return;
+    if (tool == name) {
+      has = true;
+      changer.wanted = *lines->lines.changer;
+    } else {
+      changer.others.push_back(*lines->lines.changer);
+    }
+    if (tip) changer.reach_mm = std::max(changer.reach_mm, tip->tip_flange.norm());
+  };
+  add(record.tool->name, record.lines, record.tip);
+  for (const auto& [tool, taught] : record.shelf) add(tool, taught.lines, taught.tip);
+  return has ? std::optional{changer} : std::nullopt;
 }
 
 }  // namespace
@@ -108,7 +146,7 @@ path::Mounted Record::mounted(const std::string& name) const {
   if (tool) out.tool = tool->name;
   const bool other = !name.empty() && out.tool != name;
   const auto found = shelf.find(name);
-  const ShelvedTool taught = !other                 ? ShelvedTool{.tip = tip, .payload = payload}
+  const ShelvedTool taught = !other ? ShelvedTool{.tip = tip, .payload = payload, .lines = lines}
                              : found == shelf.end() ? ShelvedTool{}
                                                     : found->second;
   if (taught.tip) {
@@ -116,6 +154,8 @@ path::Mounted Record::mounted(const std::string& name) const {
     out.tip_u95_mm = taught.tip->how.u95_mm;
   }
   if (taught.payload) out.payload = taught.payload->payload;
+  if (taught.lines) out.lines = taught.lines->lines;
+  if (!name.empty()) out.changer = changer_for(*this, name);
   if (table) out.table_z_mm = table->z_mm;
   return out;
 }
@@ -149,6 +189,18 @@ ordered_json json_of(const std::optional<Load>& load) {
   return json;
 }
 
+ordered_json json_of(const std::optional<Lines>& lines) {
+  ordered_json json;
+  if (!lines) return json;
+  if (lines->lines.on_output) json["on_output"] = *lines->lines.on_output;
+  if (lines->lines.changer) {
+    json["ask_output"] = lines->lines.changer->ask_output;
+    json["there_input"] = lines->lines.changer->there_input;
+  }
+  tell(lines->how, json);
+  return json;
+}
+
 std::optional<Tip> tip_of(const ordered_json& json, bool& good) {
   if (!json.is_object()) return std::nullopt;
   return Tip{.tip_flange = Reader{json, good}.vector("at_mm"), .how = Reader{json, good}.how()};
@@ -159,6 +211,36 @@ std::optional<Load> load_of(const ordered_json& json, bool& good) {
   return Load{.payload = {.mass_kg = Reader{json, good}.number("kg", 0, k_most_kg),
                           .centre_flange_mm = Reader{json, good}.vector("centre_mm")},
               .how = Reader{json, good}.how()};
+}
+
+/// Older records know nothing of it.
+std::optional<Lines> lines_of(const ordered_json& json, bool& good) {
+  const auto found = json.find("lines");
+  if (found == json.end() || found->is_null()) return std::nullopt;
+  good = good && found->is_object();
+  if (!good) return std::nullopt;
+  const auto number = [&](const char* name) {
+    return static_cast<int>(Reader{*found, good}.number(name, 0, k_last_line));
+  };
+  Lines lines{.lines = {}, .how = Reader{*found, good}.how()};
+  if (found->contains("on_output")) lines.lines.on_output = number("on_output");
+  if (found->contains("ask_output"))
+    lines.lines.changer = {.ask_output = number("ask_output"), .there_input = number("there_input")};
+  return lines;
+}
+
+/// As above.
+std::optional<Taught> renewed_of(const ordered_json& json, bool& good) {
+  const auto found = json.find("renewed");
+  if (found == json.end() || found->is_null()) return std::nullopt;
+  good = good && found->is_object();
+  return good ? std::optional{Reader{*found, good}.how()} : std::nullopt;
+}
+
+ordered_json json_of(const std::optional<Taught>& how) {
+  ordered_json json;
+  if (how) tell(*how, json);
+  return json;
 }
 
 /// Null or an object; of anything else nobody knows what was taught.
@@ -180,7 +262,10 @@ void read_tools(const ordered_json& json, Record& record, bool& good) {
   for (const auto& [name, taught] : shelf->items()) {
     good = good && taught.is_object() && is_part(taught, "tip") && is_part(taught, "payload");
     if (good)
-      record.shelf[name] = {.tip = tip_of(taught["tip"], good), .payload = load_of(taught["payload"], good)};
+      record.shelf[name] = {.tip = tip_of(taught["tip"], good),
+                            .payload = load_of(taught["payload"], good),
+                            .lines = lines_of(taught, good),
+                            .renewed = renewed_of(taught, good)};
   }
 }
 
@@ -188,7 +273,9 @@ void read_tools(const ordered_json& json, Record& record, bool& good) {
 void shelve(Record& record) {
   if (!record.tool) return;
   record.shelf[record.tool->name] = {.tip = std::exchange(record.tip, {}),
-                                     .payload = std::exchange(record.payload, {})};
+                                     .payload = std::exchange(record.payload, {}),
+                                     .lines = std::exchange(record.lines, {}),
+                                     .renewed = std::exchange(record.renewed, {})};
   record.tool.reset();
 }
 
@@ -201,6 +288,10 @@ ordered_json to_json(const Record& record, Part part) {
       return json_of(record.tip);
     case Part::Payload:
       return json_of(record.payload);
+    case Part::Lines:
+      return json_of(record.lines);
+    case Part::Renewed:
+      return json_of(record.renewed);
     case Part::Tool:
       if (!record.tool) return json;
       json["name"] = record.tool->name;
@@ -219,12 +310,17 @@ ordered_json to_json(const Record& record, Part part) {
 ordered_json to_json(const Record& record) {
   ordered_json shelf = ordered_json::object();
   for (const auto& [name, taught] : record.shelf)
-    shelf[name] = {{"tip", json_of(taught.tip)}, {"payload", json_of(taught.payload)}};
+    shelf[name] = {{"tip", json_of(taught.tip)},
+                   {"payload", json_of(taught.payload)},
+                   {"lines", json_of(taught.lines)},
+                   {"renewed", json_of(taught.renewed)}};
   return {{"version", record.version},
           {"tool", to_json(record, Part::Tool)},
           {"shelf", std::move(shelf)},
           {"tip", to_json(record, Part::Tip)},
           {"payload", to_json(record, Part::Payload)},
+          {"lines", to_json(record, Part::Lines)},
+          {"renewed", to_json(record, Part::Renewed)},
           {"table", to_json(record, Part::Table)}};
 }
 
@@ -239,6 +335,8 @@ Result<Record> read_record(const memory::Memory& memory) {
     record.version = static_cast<int>(Reader{json, good}.number("version", 0, 1e9));
     record.tip = tip_of(json["tip"], good);
     record.payload = load_of(json["payload"], good);
+    record.lines = lines_of(json, good);
+    record.renewed = renewed_of(json, good);
     read_tools(json, record, good);
     if (const ordered_json& table = json["table"]; table.is_object())
       record.table =
@@ -287,6 +385,36 @@ Result<Record> keep_payload(memory::Memory& memory, const path::Payload& payload
   return keep(memory, before, std::move(now), Part::Payload, hand, "teach");
 }
 
+Result<Record> keep_lines(memory::Memory& memory, const path::ToolLines& lines, const Hand& hand) {
+  const auto is_line = [](int number) { return number >= 0 && number <= k_last_line; };
+  const std::optional<path::ChangerLines>& changer = lines.changer;
+  if ((lines.on_output && !is_line(*lines.on_output)) ||
+      (changer && !(is_line(changer->ask_output) && is_line(changer->there_input))))
+    return fail(Errc::BadValue, "lines of a tool: standard outputs and inputs 0 to %d expected", k_last_line);
+  if (changer && lines.on_output == changer->ask_output)
+    return fail(Errc::BadValue, "output %d cannot both switch the tool on and ask the changer for it",
+                changer->ask_output);
+  BITELINE_ASSIGN(const Record before, read_record(memory));
+  if (!before.tool)
+    return fail(Errc::WrongState, "nobody has said which tool is mounted; say its name first");
+  for (const auto& [name, taught] : before.shelf)
+    if (taught.lines && clash(lines, taught.lines->lines))
+      return fail(Errc::BadValue, "one of these lines is that of '%.64s' already; see biteline mounted",
+                  name.c_str());
+  Record now = before;
+  now.lines = Lines{.lines = lines, .how = taught(before, hand)};
+  return keep(memory, before, std::move(now), Part::Lines, hand, "teach");
+}
+
+Result<Record> renew_tool(memory::Memory& memory, const Hand& hand) {
+  BITELINE_ASSIGN(const Record before, read_record(memory));
+  if (!before.tool)
+    return fail(Errc::WrongState, "nobody has said which tool is mounted; say its name first");
+  Record now = before;
+  now.renewed = taught(before, hand);
+  return keep(memory, before, std::move(now), Part::Renewed, hand, "teach");
+}
+
 Result<Record> mount_tool(memory::Memory& memory, const std::string& name, const Hand& hand) {
   if (!path::is_name(name))
     return fail(Errc::BadValue, "tool '%.64s': letters, digits, '.', '_' and '-' expected, at most 64",
@@ -298,6 +426,8 @@ Result<Record> mount_tool(memory::Memory& memory, const std::string& name, const
   if (const auto found = now.shelf.find(name); found != now.shelf.end()) {
     now.tip = found->second.tip;
     now.payload = found->second.payload;
+    now.lines = found->second.lines;
+    now.renewed = found->second.renewed;
     now.shelf.erase(found);
   }
   now.tool = MountedTool{.name = name, .how = taught(before, hand)};
@@ -313,6 +443,8 @@ Result<Record> forget(memory::Memory& memory, Part part, const Hand& hand) {
   if (part == Part::Tip) now.tip.reset();
   if (part == Part::Payload) now.payload.reset();
   if (part == Part::Table) now.table.reset();
+  if (part == Part::Lines) now.lines.reset();
+  if (part == Part::Renewed) now.renewed.reset();
   if (part == Part::Tool) shelve(now);
   return keep(memory, before, std::move(now), part, hand, "forget what was taught");
 }

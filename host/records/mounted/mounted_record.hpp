@@ -35,7 +35,12 @@ struct Table {
   Taught how{};
 };
 
-/// A tool of the cell by its name, as a person said that it is mounted.
+struct Lines {
+  path::ToolLines lines{};
+  Taught how{};
+};
+
+/// A tool of the cell by its name, as a person or its changer said that it is mounted.
 struct MountedTool {
   std::string name;
   Taught how{};
@@ -44,6 +49,8 @@ struct MountedTool {
 struct ShelvedTool {
   std::optional<Tip> tip{};
   std::optional<Load> payload{};
+  std::optional<Lines> lines{};
+  std::optional<Taught> renewed{};  ///< its disc, brush or roller: wear counts from then
 };
 
 struct Record {
@@ -53,6 +60,8 @@ struct Record {
   /// Of the mounted tool.
   std::optional<Tip> tip{};
   std::optional<Load> payload{};
+  std::optional<Lines> lines{};
+  std::optional<Taught> renewed{};
   std::optional<Table> table{};
 
   /// For a process that names this tool: what was taught of it, mounted or on the shelf; empty: the mounted
@@ -60,8 +69,8 @@ struct Record {
   [[nodiscard]] path::Mounted mounted(const std::string& tool) const;
 };
 
-enum class Part { Tip, Payload, Table, Tool };
-[[nodiscard]] const char* name_of(Part part);  ///< "tip", "payload", "table", "tool"
+enum class Part { Tip, Payload, Table, Tool, Lines, Renewed };
+[[nodiscard]] const char* name_of(Part part);  ///< "tip", "payload", "table", "tool", "lines", "renewed"
 [[nodiscard]] std::optional<Part> part_of(const std::string& name);
 
 /// Who changes it, and through which door.
@@ -84,12 +93,18 @@ struct Hand {
 /// Errc::BadValue: beyond 20 kg, or a centre beyond 1000 mm, as of a process.
 [[nodiscard]] Result<Record> keep_payload(memory::Memory& memory, const path::Payload& payload,
                                           const Hand& hand);
-/// A new version with this tool mounted.  Tip and payload are then what was taught of it before; those of the
-/// tool before go with that one's name.  A tool without a name gets this one, where the shelf has none of it.
-/// Errc::BadValue: path::is_name() takes it for none.
+/// Of the mounted tool: what switches it on, and its place in the changer.  Errc::BadValue: not 0 to 7, an
+/// output twice, or a place that another tool has; Errc::WrongState: nobody has named the mounted tool.
+[[nodiscard]] Result<Record> keep_lines(memory::Memory& memory, const path::ToolLines& lines,
+                                        const Hand& hand);
+/// The mounted tool has a new disc, brush or roller.  Errc::WrongState: nobody has named it.
+[[nodiscard]] Result<Record> renew_tool(memory::Memory& memory, const Hand& hand);
+/// A new version with this tool mounted.  Tip, payload and lines are then what was taught of it before; those
+/// of the tool before go with that one's name.  A tool without a name gets this one, where the shelf has none
+/// of it. Errc::BadValue: path::is_name() takes it for none.
 [[nodiscard]] Result<Record> mount_tool(memory::Memory& memory, const std::string& name, const Hand& hand);
 /// A new version without this part: it is checked no more.  Without a tool: nobody has said
-/// which one is mounted, and its tip and payload are on the shelf.
+/// which one is mounted, and what was taught of it is on the shelf.
 [[nodiscard]] Result<Record> forget(memory::Memory& memory, Part part, const Hand& hand);
 
 }  // namespace biteline::mounted

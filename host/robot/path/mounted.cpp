@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "host/robot/path/mounted.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "common/core/fixed_text.hpp"
@@ -22,6 +23,22 @@ std::optional<bool> carries_as_taught(const Process& process, const Mounted& mou
 std::optional<bool> has_its_tool(const Process& process, const Mounted& mounted) {
   if (process.tool.name.empty()) return std::nullopt;
   return mounted.tool == process.tool.name;
+}
+
+bool waits_for_its_tool(const Process& process, const Mounted& mounted) {
+  return has_its_tool(process, mounted) == false && !mounted.changer;
+}
+
+bool asks_a_changer(const Process& process, const Mounted& mounted) {
+  if (!mounted.changer || process.digital_output < 0) return false;
+  const auto asks = [&](const ChangerLines& place) { return place.ask_output == process.digital_output; };
+  return asks(mounted.changer->wanted) || std::ranges::any_of(mounted.changer->others, asks);
+}
+
+std::optional<bool> switches_as_taught(const Process& process, const Mounted& mounted) {
+  if (asks_a_changer(process, mounted)) return false;
+  if (!mounted.lines || !mounted.lines->on_output) return std::nullopt;
+  return process.digital_output == *mounted.lines->on_output;
 }
 
 std::optional<Payload> carried(const Process& process, const Mounted& mounted) {
@@ -65,6 +82,28 @@ std::vector<Check> check_mounted(const Process& process, const Mounted& mounted)
                                                     by_mass ? "" : ", with another centre")
                                  .view();
     }
+  }
+  if (const std::optional<bool> same = switches_as_taught(process, mounted)) {
+    const int taught = mounted.lines ? mounted.lines->on_output.value_or(-1) : -1;
+    checks.push_back({.name = "output as taught",
+                      .passed = *same,
+                      .value = static_cast<double>(process.digital_output),
+                      .limit = static_cast<double>(taught),
+                      .unit = "",
+                      .arc_mm = -1,
+                      .detail = {}});
+    if (!*same)
+      checks.back().detail =
+          asks_a_changer(process, mounted)
+              ? FixedText<160>::format("the process switches output %d, which asks the changer for a tool",
+                                       process.digital_output)
+                    .view()
+          : process.digital_output < 0
+              ? FixedText<160>::format("the process switches no output, its tool was taught with %d", taught)
+                    .view()
+              : FixedText<160>::format("the process switches output %d, its tool was taught with %d",
+                                       process.digital_output, taught)
+                    .view();
   }
   return checks;
 }

@@ -11,12 +11,33 @@
 
 namespace biteline::path {
 
+/// A place of a tool changer that the controller commands: one output asks for it, one input tells that it
+/// stands.  Standard digital ones, 0 to 7.
+struct ChangerLines {
+  int ask_output{0};
+  int there_input{0};
+};
+/// How a tool is wired to the controller.
+struct ToolLines {
+  std::optional<int> on_output{};         ///< switches it on; a process's `digital_output` is to be this one
+  std::optional<ChangerLines> changer{};  ///< nothing: a person mounts it
+};
+/// A changer that can bring the tool that a process names, or tells that it stands.
+struct Changer {
+  ChangerLines wanted{};
+  std::vector<ChangerLines> others{};  ///< its other places
+  double reach_mm{0};                  ///< of the longest of its tools, from the flange to the tip
+};
+
 /// What was not taught is not checked.
 struct Mounted {
   std::optional<std::string> tool{};  ///< its name, as a person said it; nothing: nobody has
   std::optional<Vec3> tip_flange{};   ///< mm
   double tip_u95_mm{0};               ///< of a tip that was touched
   std::optional<Payload> payload{};
+  std::optional<ToolLines> lines{};
+  /// Present where no person has to mount the named tool: both it and the mounted one are in the changer.
+  std::optional<Changer> changer{};
   std::optional<double> table_z_mm{};  ///< in the robot's base
 };
 
@@ -33,6 +54,15 @@ inline constexpr double k_taught_payload_kg = 0.1, k_taught_centre_mm = 20;
 
 /// The tool that the process names is mounted; nothing: it names none.
 [[nodiscard]] std::optional<bool> has_its_tool(const Process& process, const Mounted& mounted);
+
+/// The same, and no changer brings it: a person has to.
+[[nodiscard]] bool waits_for_its_tool(const Process& process, const Mounted& mounted);
+
+/// The process switches an output that would make the changer turn while the tool works.
+[[nodiscard]] bool asks_a_changer(const Process& process, const Mounted& mounted);
+/// The process switches the output that its tool was taught with, and none of a changer; nothing: neither was
+/// taught.
+[[nodiscard]] std::optional<bool> switches_as_taught(const Process& process, const Mounted& mounted);
 
 /// What the arm carries along a path: what the process tells, else what was taught; nothing: the controller's
 /// own setting counts.

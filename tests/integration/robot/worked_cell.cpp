@@ -2,13 +2,15 @@
 // A cell without pictures: a made shoe, scanned quickly whenever a scan is asked for, and a simulated arm
 // whose tool leaves wet glue on it while its output is on.  The next scan sees that.
 //
-//     biteline-worked-cell FOLDER [presses | gun GOOD_FOR_S THEN_RATIO | GAP_MM GAP_PROGRAMS [moved]]
+//     biteline-worked-cell FOLDER [presses | turret | turret-stuck | gun GOOD_FOR_S THEN_RATIO |
+//                                  GAP_MM GAP_PROGRAMS [moved]]
 //
-// gun: after so much of full flow it gives that share alone, 0 for an empty one.
-// presses: the shoe's wall is made of springs, and the arm's force sensor has the errors of a common one.
-// GAP_MM: a gap of that length that GAP_PROGRAMS programs leave; moved: somebody moves the shoe after the
-// first scan.  Tells the controller's ports as a line of JSON, then the sensor's address, then each start.
-// FOLDER gets the truth of what lies on the shoe, as each scan sees it.
+// turret: a changer with two tools, asked for by the outputs 4 and 5, telling by the inputs 2 and 3; the
+// first one stands.  turret-stuck: it never comes to the other. gun: after so much of full flow it gives that
+// share alone, 0 for an empty one. presses: the shoe's wall is made of springs, and the arm's force sensor
+// has the errors of a common one. GAP_MM: a gap of that length that GAP_PROGRAMS programs leave; moved:
+// somebody moves the shoe after the first scan.  Tells the controller's ports as a line of JSON, then the
+// sensor's address, then each start. FOLDER gets the truth of what lies on the shoe, as each scan sees it.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -30,6 +32,11 @@ constexpr double k_width_mm = 6, k_gap_middle_mm = 200, k_moved_mm = 0.6;
 constexpr double k_profile_step_mm = 1;
 constexpr double k_wall_newton_per_mm = 15;
 
+sim::TurretFacts two_tools(bool stuck) {
+  return {.places = {{.ask_output = 4, .there_input = 2}, {.ask_output = 5, .there_input = 3}},
+          .stuck = stuck};
+}
+
 sim::JointVector parked_rad() {
   return std::numbers::pi / 180 * (sim::JointVector() << 180, -90, 60, 100, 90, 160).finished();
 }
@@ -45,9 +52,10 @@ class WorkedCell {
         seen_{placed_.shoe},
         moves_{moves} {}
 
-  Result<void> open(bool presses) {
+  Result<void> open(bool presses, std::optional<sim::TurretFacts> turret) {
     sim::UrController::Config config;
     config.model = "UR10E";
+    config.turret = std::move(turret);
     if (presses) {
       config.force = sim::common_force_facts(1);
       config.touch = [this](const SE3& T_base_tcp, double) { return wall_newton(T_base_tcp.translation()); };
@@ -155,12 +163,14 @@ class WorkedCell {
 int main(int argc, char** argv) {
   using namespace biteline;
   const bool presses = argc == 3 && std::string_view{argv[2]} == "presses";
+  const std::string_view turret{argc == 3 ? argv[2] : ""};
+  const bool turns = turret == "turret" || turret == "turret-stuck";
   const bool gun = argc == 5 && std::string_view{argv[2]} == "gun";
   const bool moved = argc == 5 && std::string_view{argv[4]} == "moved";
-  if (argc != 2 && !presses && argc != 4 && !gun && !moved) {
+  if (argc != 2 && !presses && !turns && argc != 4 && !gun && !moved) {
     std::fprintf(stderr,
-                 "usage: biteline-worked-cell FOLDER [presses | gun GOOD_FOR_S THEN_RATIO | GAP_MM "
-                 "GAP_PROGRAMS [moved]]\n");
+                 "usage: biteline-worked-cell FOLDER [presses | turret | turret-stuck | gun GOOD_FOR_S "
+                 "THEN_RATIO | GAP_MM GAP_PROGRAMS [moved]]\n");
     return 2;
   }
   sim::WorkingTool tool{.work = sim::Work::WetGlue,
@@ -183,7 +193,8 @@ int main(int argc, char** argv) {
   const std::filesystem::path folder{argv[1]};
   WorkedCell cell{settings, tool, moved};
   return test::run_scan_server("biteline-worked-cell", [&]() -> Result<test::ScanServer> {
-    BITELINE_TRY(cell.open(presses));
+    BITELINE_TRY(
+        cell.open(presses, turns ? std::optional{two_tools(turret == "turret-stuck")} : std::nullopt));
     cell.tell();
     return test::ScanServer{.identity = cell.identity(),
                             .make = [&](std::uint64_t number) { return cell.scan(number, folder); },

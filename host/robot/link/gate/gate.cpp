@@ -198,13 +198,18 @@ void add_taught_rows(const ResultFacts& result, std::vector<GateRow>& rows) {
   };
   if (result.tool)
     rows.push_back({Refused::ToolNotMounted, "tool that is mounted",
-                    result.mounted_tool.value_or("nobody has said"), *result.tool,
-                    when(result.mounted_tool == result.tool)});
+                    result.mounted_tool.value_or("nobody has said") +
+                        (result.changer_trouble ? "; " + *result.changer_trouble : ""),
+                    *result.tool, when(result.mounted_tool == result.tool)});
   add_mm("process's tip from the taught one", result.tip_from_taught_mm, path::k_taught_tip_mm);
   if (result.payload_as_taught)
     rows.push_back({Refused::NotAsTaught, "process's payload",
                     *result.payload_as_taught ? "the taught one" : "another", "the taught one",
                     when(*result.payload_as_taught)});
+  if (result.output_as_taught)
+    rows.push_back({Refused::NotAsTaught, "process's output",
+                    *result.output_as_taught ? "its tool's" : "another", "that of its tool, as taught",
+                    when(*result.output_as_taught)});
   add_mm("path's table from the taught one", result.table_from_taught_mm, k_table_mm);
 }
 

@@ -73,9 +73,11 @@ struct ResultFacts {
   /// The tool that the process names, and the one that is mounted as a person said; nothing: the process
   /// names none, and nobody has said.
   std::optional<std::string> tool{}, mounted_tool{};
+  std::optional<std::string> changer_trouble{};  ///< why a changer has not brought it
   /// Nothing, here and below: it was not taught.
   std::optional<double> tip_from_taught_mm{};
   std::optional<bool> payload_as_taught{};
+  std::optional<bool> output_as_taught{};        ///< that switches the tool
   std::optional<double> table_from_taught_mm{};  ///< of the height that the path was planned with
 };
 

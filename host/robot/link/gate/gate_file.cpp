@@ -57,8 +57,10 @@ void visit(const Visit& v, ResultFacts& result) {
   v.since("tip_bound_mm", result.tip_bound_mm);
   v.since("tool", result.tool);
   v.since("mounted_tool", result.mounted_tool);
+  v.since("changer_trouble", result.changer_trouble);
   v.since("tip_from_taught_mm", result.tip_from_taught_mm);
   v.since("payload_as_taught", result.payload_as_taught);
+  v.since("output_as_taught", result.output_as_taught);
   v.since("table_from_taught_mm", result.table_from_taught_mm);
 }
 

@@ -165,6 +165,93 @@ function Carried(props: OfPart): JSX.Element {
   );
 }
 
+const lines = ['on_output', 'ask_output', 'there_input'] as const;
+
+function lines_words(taught: Taught): string {
+  const on = taught.on_output === undefined ? '' : t('mounted_on_told', { on: taught.on_output });
+  const changer =
+    taught.ask_output === undefined
+      ? ''
+      : t('mounted_changer_told', { ask: taught.ask_output, there: taught.there_input ?? '' });
+  return [on, changer, how_words(taught)].filter(Boolean).join(' ');
+}
+
+/// Of the mounted tool: which output switches it, and its place in a changer.
+function Wiring({ mounted, enabled, change }: Omit<OfPart, 'part'>): JSX.Element {
+  const [typed, set_typed] = useState({ on_output: '', ask_output: '', there_input: '' });
+  const taught = mounted.lines;
+  const may_save = enabled && mounted.tool !== null;
+  return (
+    <section aria-label={t('mounted_lines')}>
+      <h3>{t('mounted_lines')}</h3>
+      <p class="quiet">{t('mounted_lines_words')}</p>
+      <p>{taught ? lines_words(taught) : t('mounted_none')}</p>
+      {taught && (
+        <button type="button" disabled={!enabled} onClick={() => change('DELETE', '/mounted/lines')}>
+          {t('mounted_forget')}
+        </button>
+      )}
+      <form
+        class="tools"
+        onSubmit={(event) => {
+          event.preventDefault();
+          const told = lines.filter((line) => typed[line] !== '').map((line) => [line, Number(typed[line])]);
+          change('PUT', '/mounted/lines', Object.fromEntries(told));
+        }}
+      >
+        {lines.map((line) => (
+          <label key={line}>
+            {t_or(`mounted_${line}`, line)}{' '}
+            <input
+              type="number"
+              min={0}
+              max={7}
+              step={1}
+              required={line !== 'on_output' && (typed.ask_output !== '') !== (typed.there_input !== '')}
+              disabled={!may_save}
+              value={typed[line]}
+              onInput={(event) => set_typed({ ...typed, [line]: event.currentTarget.value })}
+            />
+          </label>
+        ))}
+        <button type="submit" disabled={!may_save || lines.every((line) => typed[line] === '')}>
+          {t('save')}
+        </button>
+      </form>
+    </section>
+  );
+}
+
+/// How far each tool is worn, and since when the mounted one has a new disc, brush or roller.
+function Worn({ mounted, enabled, change }: Omit<OfPart, 'part'>): JSX.Element {
+  return (
+    <section aria-label={t('mounted_renewed')}>
+      <h3>{t('mounted_renewed')}</h3>
+      <p class="quiet">{t('mounted_renewed_words')}</p>
+      {mounted.renewed && <p>{t('mounted_renewed_by', { words: how_words(mounted.renewed) })}</p>}
+      {Object.entries(mounted.wear).map(([tool, wear]) => (
+        <p key={tool}>
+          {wear.sure
+            ? t('mounted_wear', {
+                tool,
+                shoes: wear.shoes,
+                mm: number(wear.mm_per_shoe, 4),
+                u95: number(wear.u95_mm_per_shoe, 4),
+              })
+            : t('mounted_wear_none', { tool, shoes: wear.shoes })}
+        </p>
+      ))}
+      <button
+        type="button"
+        disabled={!enabled || mounted.tool === null}
+        onClick={() => change('PUT', '/mounted/renewed')}
+      >
+        {t('mounted_renew')}
+      </button>
+    </section>
+  );
+}
+
 /// An operator who has changed the tool says so here.
 function NamedTool({ mounted, enabled, change }: Omit<OfPart, 'part'>): JSX.Element {
   const [name, set_name] = useState('');
@@ -227,6 +314,8 @@ export function MountedCard(): JSX.Element {
           <NamedTool mounted={mounted} enabled={may('operator') && holds_control()} change={change} />
           <Touching part="tip" mounted={mounted} enabled={enabled} change={change} />
           <Carried part="payload" mounted={mounted} enabled={enabled} change={change} />
+          <Wiring mounted={mounted} enabled={enabled} change={change} />
+          <Worn mounted={mounted} enabled={enabled} change={change} />
           <Touching part="table" mounted={mounted} enabled={enabled} change={change} />
         </>
       )}

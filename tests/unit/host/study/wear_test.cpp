@@ -91,6 +91,41 @@ TEST(Wear, TheIntervalHoldsTheTrueCrossingInNineteenOfTwenty) {
   DOUBLES_EQUAL(0.95, static_cast<double>(held) / k_rounds, 3 * std::sqrt(0.05 * 0.95 / k_rounds));
 }
 
+TEST(Wear, OneSeriesHasTheSameTrendWithinAsBefore) {
+  const std::vector<TrendPoint> points{std::begin(k_norris), std::end(k_norris)};
+  const Trend one = *trend_of(points), within = *trend_within(std::span{&points, 1});
+  DOUBLES_EQUAL(one.slope, within.slope, 1e-13);
+  DOUBLES_EQUAL(one.intercept, within.intercept, 1e-10);
+  DOUBLES_EQUAL(one.slope_error, within.slope_error, 1e-13);
+  DOUBLES_EQUAL(one.slope_u95, within.slope_u95, 1e-12);
+}
+
+/// Three series at levels of their own, which a single line would take for a trend.
+TEST(Wear, SeriesAtOtherLevelsShareOneSlope) {
+  std::mt19937 random{13};
+  std::normal_distribution<double> error{0, 0.05};
+  constexpr int k_rounds = 2000;
+  constexpr double k_slope = 0.01;
+  int held = 0;
+  for (int round = 0; round < k_rounds; ++round) {
+    std::vector<std::vector<TrendPoint>> groups(3);
+    for (int i = 0; i < 24; ++i)
+      groups[static_cast<std::size_t>(i / 8)].push_back(
+          {.x = static_cast<double>(i), .value = -2.0 * (i / 8) + k_slope * i + error(random)});
+    const Trend trend = *trend_within(groups);
+    LONGS_EQUAL(24, trend.count);
+    if (std::abs(trend.slope - k_slope) <= trend.slope_u95) ++held;
+  }
+  DOUBLES_EQUAL(0.95, static_cast<double>(held) / k_rounds, 3 * std::sqrt(0.05 * 0.95 / k_rounds));
+}
+
+TEST(Wear, ATrendWithinSeriesNeedsTwoPointsMoreThanSeries) {
+  const std::vector<std::vector<TrendPoint>> groups{{{1, 2}, {2, 3}}, {}, {{3, 3}}};
+  FAILS_NAMING(Errc::BadValue, "2 more than series", trend_within(groups));
+  FAILS_NAMING(Errc::BadValue, "one place",
+               trend_within(std::vector<std::vector<TrendPoint>>{{{1, 2}, {1, 3}, {1, 4}}}));
+}
+
 TEST(Wear, ThreePointsAtTwoPlacesAreTheLeast) {
   const TrendPoint points[] = {{1, 2}, {1, 3}, {1, 4}};
   FAILS_NAMING(Errc::BadValue, "at least 3", trend_of(std::span{points}.first(2)));

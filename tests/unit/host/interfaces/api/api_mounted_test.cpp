@@ -106,6 +106,25 @@ TEST(ApiMounted, ATableTellsWhichTipTouchedIt) {
   CHECK(anew["tip"]["version"].get<int>() != anew["table"]["tip_version"].get<int>());
 }
 
+TEST(ApiMounted, LinesAreOfTheMountedToolAndWholeNumbers) {
+  take_control_as("eng");
+  const Json lines{{"on_output", 1}, {"ask_output", 4}, {"there_input", 2}};
+  STRCMP_EQUAL("wrong_state", code_of(ask("PUT", "/mounted/lines", lines)).c_str());
+  LONGS_EQUAL(200, ask("PUT", "/mounted/tool", {{"name", "gun"}}).status);
+  for (const Json& body : {Json{{"ask_output", 4}}, Json{{"there_input", 2}}, Json{{"on_output", 8}},
+                           Json{{"on_output", 1.5}}, Json{{"on_output", "1"}}, Json{{"on_input", 1}}})
+    LONGS_EQUAL_TEXT(400, ask("PUT", "/mounted/lines", body).status, test::text_of(body).c_str());
+  const Json kept = ask("PUT", "/mounted/lines", lines).body;
+  LONGS_EQUAL(4, kept["lines"].value("ask_output", -1));
+  STRCMP_EQUAL("eng", kept["lines"].value("who", "").c_str());
+  CHECK(kept["wear"].is_object() && kept["wear"].empty() && kept["renewed"].is_null());
+  LONGS_EQUAL(200, ask("PUT", "/mounted/renewed").status);
+  LONGS_EQUAL(200, ask("PUT", "/mounted/tool", {{"name", "brush"}}).status);
+  const Json shelf = ask("GET", "/mounted").body["shelf"]["gun"];
+  LONGS_EQUAL(2, shelf["lines"].value("there_input", -1));
+  CHECK(shelf["renewed"].is_object());
+}
+
 TEST(ApiMounted, ThePayloadIsTakenInItsRangeAndComparedWithTheControllers) {
   take_control_as("eng");
   const Json centre = Json::array({0, 0, 65});

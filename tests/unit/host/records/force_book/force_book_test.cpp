@@ -3,6 +3,7 @@
 
 #include <CppUTest/TestHarness.h>
 
+#include "host/records/force_book/tool_wear.hpp"
 #include "tests/support/errors.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -120,6 +121,33 @@ TEST(ForceBook, ForeignTextIsRefusedInOneLine) {
   // And it can be dropped.
   LONGS_EQUAL(1, *forget(*memory, "oxford", "eng"));
   CHECK_FALSE(learned(*memory, of)->has_value());
+}
+
+/// Over two models with a level of each, since its disc is a new one; another tool's shoes are none of it.
+TEST(ForceBook, WearIsOfAToolByItsName) {
+  Subject other = of;
+  other.model = "derby";
+  const auto press = [&](const Subject& subject, const char* tool, double along_mm) {
+    path::ForceTold shoe = told(20);
+    shoe.along_mm = along_mm;
+    SUCCEEDS(learn_shoe(*memory, subject, k_set_newton, "scan", shoe, tool));
+  };
+  for (int i = 0; i < 6; ++i) {
+    press(i % 2 == 0 ? of : other, "disc", (i % 2 == 0 ? 0.5 : 1.4) + 0.02 * i);
+    press(of, "brush", 0.7);
+  }
+  const auto entries = read_all(*memory);
+  SUCCEEDS(entries);
+  const ToolWear disc = wear_of_tool(*entries, "disc", 0), brush = wear_of_tool(*entries, "brush", 0);
+  LONGS_EQUAL(6, disc.shoes);
+  CHECK(disc.trend && disc.trend->sure());
+  DOUBLES_EQUAL(0.02, disc.trend->slope, 1e-9);
+  STRCMP_CONTAINS("0.0200 mm", words_of(disc).c_str());
+  CHECK(brush.trend && !brush.trend->sure());
+  STRCMP_CONTAINS("no wear", words_of(brush).c_str());
+  const ToolWear renewed = wear_of_tool(*entries, "disc", memory::now_ms());
+  LONGS_EQUAL(0, renewed.shoes);
+  CHECK(!renewed.trend && to_json(renewed)["mm_per_shoe"].is_null());
 }
 
 }  // namespace biteline::force_book

@@ -104,9 +104,56 @@ TEST(MountedRecord, EachToolHasItsOwnTipAndPayload) {
     CHECK_TEXT(mount_tool(*memory, bad, hand).error().code == Errc::BadValue, bad);
 }
 
+TEST(MountedRecord, AChangerBringsWhatItHoldsInPlaceOfWhatItHolds) {
+  const auto place = [](int ask_output, int there_input) {
+    return path::ToolLines{.on_output = 1, .changer = path::ChangerLines{ask_output, there_input}};
+  };
+  CHECK(keep_lines(*memory, place(4, 2), hand).error().code == Errc::WrongState);
+  SUCCEEDS(mount_tool(*memory, "brush", hand));
+  SUCCEEDS(keep_touched(*memory, Lesson::Part::Tip, tip, 6, hand));
+  SUCCEEDS(keep_lines(*memory, place(4, 2), hand));
+  SUCCEEDS(mount_tool(*memory, "hand-held", hand));
+  // What a person has mounted a changer does not take away.
+  CHECK(!read_record(*memory)->mounted("brush").changer);
+  SUCCEEDS(mount_tool(*memory, "gun", hand));
+  for (const path::ToolLines& bad : {place(4, 3), place(5, 2), place(8, 3), place(5, -1), place(1, 3),
+                                     path::ToolLines{.on_output = 4}, path::ToolLines{.on_output = 9}})
+    CHECK(keep_lines(*memory, bad, hand).error().code == Errc::BadValue);
+  SUCCEEDS(keep_lines(*memory, place(5, 3), hand));
+  const auto record = read_record(*memory);
+  SUCCEEDS(record);
+  const path::Mounted brush = record->mounted("brush");
+  CHECK(brush.changer.has_value());
+  LONGS_EQUAL(4, brush.changer->wanted.ask_output);
+  LONGS_EQUAL(2, brush.changer->wanted.there_input);
+  LONGS_EQUAL(1, brush.changer->others.size());
+  LONGS_EQUAL(5, brush.changer->others.front().ask_output);
+  DOUBLES_EQUAL(tip.tip_flange.norm(), brush.changer->reach_mm, 1e-12);
+  LONGS_EQUAL(1, brush.lines->on_output.value_or(-1));
+  CHECK(!record->mounted("hand-held").changer && !record->mounted("").changer);
+  SUCCEEDS(forget(*memory, Part::Lines, hand));
+  CHECK(!read_record(*memory)->mounted("brush").changer);
+  SUCCEEDS(forget(*memory, Part::Tool, hand));
+  CHECK(!read_record(*memory)->mounted("brush").changer);
+}
+
+TEST(MountedRecord, ARenewedDiscGoesWithItsTool) {
+  CHECK(renew_tool(*memory, hand).error().code == Errc::WrongState);
+  SUCCEEDS(mount_tool(*memory, "disc", hand));
+  SUCCEEDS(renew_tool(*memory, hand));
+  SUCCEEDS(mount_tool(*memory, "gun", hand));
+  const auto record = read_record(*memory);
+  SUCCEEDS(record);
+  CHECK(!record->renewed && record->shelf.at("disc").renewed && record->shelf.at("disc").renewed->time > 0);
+  CHECK(mount_tool(*memory, "disc", hand)->renewed.has_value());
+}
+
 TEST(MountedRecord, ToolsThatCannotBeReadAreNone) {
   for (const char* bad :
-       {R"({"version":1,"tip":null,"payload":null,"table":null,"tool":"brush"})",
+       {R"({"version":1,"tip":null,"payload":null,"table":null,"lines":{"on_output":8}})",
+        R"({"version":1,"tip":null,"payload":null,"table":null,"lines":4})",
+        R"({"version":1,"tip":null,"payload":null,"table":null,"renewed":4})",
+        R"({"version":1,"tip":null,"payload":null,"table":null,"tool":"brush"})",
         R"({"version":1,"tip":null,"payload":null,"table":null,"tool":{"name":3}})",
         R"({"version":1,"tip":null,"payload":null,"table":null,"shelf":{"brush":{"tip":{}}}})"}) {
     put(bad);

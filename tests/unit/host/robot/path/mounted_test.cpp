@@ -73,6 +73,39 @@ TEST(Mounted, AnotherMassOrCentreIsRefused) {
   STRCMP_CONTAINS("centre", plan(request).reason().c_str());
 }
 
+TEST(Mounted, AnotherOutputThanTheToolsIsRefused) {
+  request.process.digital_output = 1;
+  request.mounted.lines = ToolLines{.on_output = 1};
+  STRCMP_EQUAL("planned", code().c_str());
+  request.mounted.lines->on_output = 2;
+  STRCMP_EQUAL("not_as_taught", code().c_str());
+  STRCMP_CONTAINS("output 1, its tool was taught with 2", plan(request).reason().c_str());
+  request.process.digital_output = -1;
+  STRCMP_CONTAINS("no output", plan(request).reason().c_str());
+}
+
+/// The changer would turn while the tool works.
+TEST(Mounted, AnOutputThatAsksAChangerIsRefused) {
+  request.process.digital_output = 5;
+  request.mounted.changer =
+      Changer{.wanted = {.ask_output = 4, .there_input = 2}, .others = {{.ask_output = 6, .there_input = 3}}};
+  STRCMP_EQUAL("planned", code().c_str());
+  for (const int output : {4, 6}) {
+    request.process.digital_output = output;
+    STRCMP_EQUAL("not_as_taught", code().c_str());
+    STRCMP_CONTAINS("asks the changer", plan(request).reason().c_str());
+  }
+}
+
+TEST(Mounted, APersonIsWaitedForOnlyWhereNoChangerBringsTheTool) {
+  CHECK(!waits_for_its_tool(request.process, request.mounted));
+  request.process.tool.name = "brush";
+  CHECK(waits_for_its_tool(request.process, request.mounted));
+  request.mounted.changer = Changer{};
+  CHECK(!waits_for_its_tool(request.process, request.mounted));
+  CHECK(has_its_tool(request.process, request.mounted) == false);
+}
+
 TEST(Mounted, ATipThatIsNoNumberNeverPasses) {
   request.mounted.tip_flange = Vec3{0, 0, std::numeric_limits<double>::quiet_NaN()};
   STRCMP_EQUAL("not_as_taught", code().c_str());
