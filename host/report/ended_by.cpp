@@ -66,6 +66,7 @@ std::span<const EndedByRow> ended_by_table() {
       EndedByRow{"tool_on", Machine},
       EndedByRow{"program_error", Machine},
       EndedByRow{"no_contact", Machine},
+      EndedByRow{"flange_dead", Machine},
       EndedByRow{"contact_lost", Machine},
       EndedByRow{"force_too_high", Machine},
       EndedByRow{"force_off", Machine},

@@ -75,6 +75,8 @@ ScriptWorld ProgramWatch::world_at(SensorClock::time_point instant, const RtdeIn
                 arm_.set_output(AnalogOutStep{number, ratio}, instant);
               },
           .tcp_force = beside_.tcp_force,
+          .digital_in = beside_.digital_in,
+          .analog_in = beside_.analog_in,
           .act = beside_.act};
 }
 

@@ -42,6 +42,8 @@ class ProgramWatch {
     std::function<ScriptPose()> tcp_force;
     std::function<bool(std::string_view function, std::span<const ScriptValue> arguments)> act;
     std::function<void()> program_ended;
+    std::function<bool(int number)> digital_in{};
+    std::function<double(int number)> analog_in{};
   };
   void set_beside(Beside beside) { beside_ = std::move(beside); }
 

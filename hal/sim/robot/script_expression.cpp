@@ -35,6 +35,8 @@ constexpr std::array k_functions{Function{"p", 6},
                                  Function{"pose_inv", 1},
                                  Function{"point_dist", 2},
                                  Function{"get_tcp_force", 0},
+                                 Function{"get_standard_digital_in", 1},
+                                 Function{"get_standard_analog_in", 1},
                                  Function{"sqrt", 1}};
 /// No program can name these: a list of six, and the number at a place of one.
 constexpr const char *k_list = "[", *k_at = "[]";
@@ -70,6 +72,10 @@ std::optional<ScriptValue> of_numbers(std::string_view name, const std::vector<d
     return static_cast<double>(world.input_register(static_cast<int>(n[0])));
   if (name == "sqrt") return n[0] < 0 ? std::nullopt : std::optional<ScriptValue>{std::sqrt(n[0])};
   if (name == "get_tcp_force") return world.tcp_force ? world.tcp_force() : ScriptPose{};
+  if (name == "get_standard_digital_in")
+    return world.digital_in && world.digital_in(static_cast<int>(n[0])) ? 1.0 : 0.0;
+  if (name == "get_standard_analog_in")
+    return world.analog_in ? world.analog_in(static_cast<int>(n[0])) : 0.0;
   if (name == "p" || name == k_list) return ScriptPose{n[0], n[1], n[2], n[3], n[4], n[5]};
   return std::nullopt;
 }

@@ -37,6 +37,8 @@ struct ScriptWorld {
   std::function<void(int number, double ratio)> set_analog;
   /// On the tool at its tip, in base axes: N and Nm, as the controller's sensor tells; none: zero.
   std::function<ScriptPose()> tcp_force{};
+  std::function<bool(int number)> digital_in{};   ///< standard inputs; none: all off
+  std::function<double(int number)> analog_in{};  ///< V; none: 0
   /// What a thread asks of force control and output registers; false: it cannot be done; none: nothing is.
   std::function<bool(std::string_view function, std::span<const ScriptValue> arguments)> act{};
 };
@@ -56,7 +58,7 @@ struct Expression {
 /// Reads one row from its beginning.  or, and, not; == != < > <= >=; + - * /; brackets; p[...]; lists of six
 /// numbers, and a variable's number by its place; the functions read_input_integer_register,
 /// get_target_tcp_pose, get_actual_tcp_pose, get_tcp_force, get_steptime, pose_trans, pose_inv, point_dist,
-/// sqrt.
+/// sqrt, get_standard_digital_in, get_standard_analog_in.
 class RowReader {
  public:
   RowReader(std::string_view text, int line) : text_{text}, line_{line} {}

@@ -58,8 +58,10 @@ UrController::UrController(const Config& config, Arm& arm, OnCycle on_cycle)
       on_cycle_(std::move(on_cycle)),
       values_(arm.kinematics()),
       runner_(arm, 1.0 / config.rate_hz),
-      force_(config.force, config.touch),
+      force_(config.force, config.flange ? Touch{} : config.touch),
       turret_{config.turret ? std::optional<ToolTurret>{*config.turret} : std::nullopt},
+      flange_{config.flange ? std::optional<ContactFlange>{std::in_place, *config.flange, config.touch}
+                            : std::nullopt},
       slider_wish_{config.speed_slider_ratio},
       pace_ratio_{config.speed_slider_ratio} {
   runner_.set_beside(
@@ -70,7 +72,9 @@ UrController::UrController(const Config& config, Arm& arm, OnCycle on_cycle)
            },
        .act = [this](std::string_view function,
                      std::span<const ScriptValue> arguments) { return act(function, arguments); },
-       .program_ended = [this] { force_.end(); }});
+       .program_ended = [this] { force_.end(); },
+       .digital_in = [this](int number) { return (inputs_now() >> static_cast<unsigned>(number) & 1U) != 0; },
+       .analog_in = [this](int number) { return flange_ ? flange_->volts(number) : 0.0; }});
 }
 
 UrController::~UrController() {
@@ -216,6 +220,9 @@ void UrController::step_force(SensorClock::time_point instant) {
   force_.step(T_base_tcp, 1.0 / config_.rate_hz);
   if (state.program_running) arm_.set_off(force_.off_base_mm(), instant);
   values_.set_tcp_force(force_.told_newton());
+  if (!flange_) return;
+  flange_->step(T_base_tcp, state.outputs, state.analog_ratio, 1.0 / config_.rate_hz);
+  values_.set_analog_inputs({flange_->volts(0), flange_->volts(1)});
 }
 
 void UrController::send_states(std::uint64_t number, const ArmState& state) {
@@ -237,6 +244,13 @@ void UrController::send_states(std::uint64_t number, const ArmState& state) {
   }
 }
 
+std::uint64_t UrController::inputs_now() const {
+  const bool ready = flange_ && flange_->ready();
+  const std::uint64_t flange =
+      ready ? std::uint64_t{1} << static_cast<unsigned>(flange_->facts().ready_input) : 0;
+  return digital_inputs_ | turret_inputs_ | flange;
+}
+
 void UrController::cycle(std::uint64_t number) {
   const auto instant = instant_of(number);
   set_arms_speed(instant);
@@ -248,10 +262,10 @@ void UrController::cycle(std::uint64_t number) {
   watch_safety(instant);
   values_.set_mode(power_.mode(instant));
   values_.set_protective_stop(protective_stop_);
-  const std::uint64_t turret =
-      turret_ ? turret_->step(1e-9 * static_cast<double>(instant.time_since_epoch().count()), state.outputs)
-              : 0;
-  values_.set_digital_inputs(digital_inputs_ | turret);
+  if (turret_)
+    turret_inputs_ =
+        turret_->step(1e-9 * static_cast<double>(instant.time_since_epoch().count()), state.outputs);
+  values_.set_digital_inputs(inputs_now());
   values_.advance(state, real, static_cast<double>(stamp.count()) * 1e-9);
   send_states(number, state);
   for (const auto& client : rtde_clients_) {

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "hal/sim/robot/arm.hpp"
+#include "hal/sim/robot/contact_flange.hpp"
 #include "hal/sim/robot/dashboard.hpp"
 #include "hal/sim/robot/force_control.hpp"
 #include "hal/sim/robot/power.hpp"
@@ -56,6 +57,7 @@ class UrController {
     ForceFacts force{};
     Touch touch{};
     std::optional<TurretFacts> turret{};  ///< wired to its digital lines
+    std::optional<FlangeFacts> flange{};  ///< between arm and tool: what touches, touches it
   };
   struct Ports {
     std::uint16_t rtde, script, dashboard, robot_api, primary;  ///< 0: it has none
@@ -135,6 +137,8 @@ class UrController {
   void stop_program();
   /// The arm takes programs: brakes released, nothing in the way.
   [[nodiscard]] bool takes_programs() const;
+  /// Standard ones, as what is wired to them has them now.
+  [[nodiscard]] std::uint64_t inputs_now() const;
   [[nodiscard]] ArmState arm_state(SensorClock::time_point instant) const;
   void run_program(SensorClock::time_point instant);
   [[nodiscard]] bool act(std::string_view function, std::span<const ScriptValue> arguments);
@@ -157,6 +161,7 @@ class UrController {
   ScriptRunner runner_;
   ForceControl force_;
   std::optional<ToolTurret> turret_;
+  std::optional<ContactFlange> flange_;
   TcpListener rtde_listener_, script_listener_, dashboard_listener_, robot_api_listener_, primary_listener_;
   std::shared_ptr<rtde::InputOwners> input_owners_{std::make_shared<rtde::InputOwners>()};
   std::atomic<bool> remote_control_{true}, protective_stop_{false}, close_scripts_{false};
@@ -170,6 +175,7 @@ class UrController {
   std::atomic<double> slider_wish_{-1};  ///< negative: nobody has touched it
   std::atomic<double> speed_scaling_{1};
   std::atomic<std::uint64_t> digital_inputs_{0};
+  std::uint64_t turret_inputs_{0};
   double pace_ratio_{1};  ///< the arm's, on its way to slider times scaling
   std::vector<std::unique_ptr<RtdeClient>> rtde_clients_;
   std::vector<std::unique_ptr<ScriptClient>> script_clients_;

@@ -184,6 +184,8 @@ rtde::Value UrValues::value_of(std::string_view name) const {
     return rtde::Vector3{centre_m.x(), centre_m.y(), centre_m.z()};
   }
   if (name == "actual_digital_input_bits") return digital_inputs_;
+  if (name == "standard_analog_input0") return analog_volts_[0];
+  if (name == "standard_analog_input1") return analog_volts_[1];
   if (name == "actual_digital_output_bits") return std::uint64_t{state_.outputs};
   if (name == "standard_analog_output0") return k_full_volts * state_.analog_ratio[0];
   if (name == "standard_analog_output1") return k_full_volts * state_.analog_ratio[1];

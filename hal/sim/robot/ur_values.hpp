@@ -2,6 +2,7 @@
 #pragma once
 /// \file The simulated arm's state under RTDE's names and units.
 
+#include <array>
 #include <map>
 #include <optional>
 #include <string>
@@ -40,6 +41,8 @@ class UrValues final : public rtde::ValueSource, public RtdeInputs {
   [[nodiscard]] double speed_slider_ratio() const { return speed_slider_ratio_; }
   /// Standard inputs 0 to 7, as bits.
   void set_digital_inputs(std::uint64_t bits) { digital_inputs_ = bits; }
+  /// Standard analog inputs, V.
+  void set_analog_inputs(const std::array<double, 2>& volts) { analog_volts_ = volts; }
   /// By hand, at the pendant.
   void set_speed_slider(double ratio) { speed_slider_ratio_ = ratio; }
   /// What the controller's own limits leave of the programmed speed; beside the slider.
@@ -60,6 +63,7 @@ class UrValues final : public rtde::ValueSource, public RtdeInputs {
   bool protective_stop_{false};
   RobotMode mode_{RobotMode::Running};
   std::uint64_t digital_inputs_{0};
+  std::array<double, 2> analog_volts_{};
   Vec3 tcp_force_newton_{Vec3::Zero()};
   std::map<int, std::int32_t> output_registers_;
   std::map<std::string, rtde::Value, std::less<>> inputs_;

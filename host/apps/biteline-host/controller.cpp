@@ -80,7 +80,7 @@ Result<robot::ur::DoorPlaces> doors_of(const ControllerAddress& controller) {
 
 Result<std::shared_ptr<robot::RobotLink>> open_robot(const ControllerAddress& controller,
                                                      double connect_patience_s, robot::ur::ArmClaim* claim,
-                                                     bool ask_force) {
+                                                     bool ask_force, int flange_input) {
   if (controller.other) return controller.other;
   BITELINE_ASSIGN(const HostPort rtde, parse_host_port(controller.rtde));
   BITELINE_ASSIGN(const HostPort script, parse_host_port(controller.script));
@@ -98,6 +98,7 @@ Result<std::shared_ptr<robot::RobotLink>> open_robot(const ControllerAddress& co
   config.connect_patience_s = connect_patience_s;
   config.claim = claim;
   config.ask_force = ask_force;
+  config.flange_input = flange_input;
   return robot::ur::UrLink::open(config);
 }
 

@@ -40,11 +40,12 @@ struct HostPort {
 [[nodiscard]] Result<HostPort> parse_host_port(const std::string& text);
 
 /// A link to the arm, or the one that there is.  `connect_patience_s`: for its first state.  `claim`: of the
-/// dead man; outlives the link.  `ask_force`: for a path that presses.
+/// dead man; outlives the link.  `ask_force`: for a path that presses;
+/// `flange_input`: standard analog input of the flange that it presses by, -1: none.
 [[nodiscard]] Result<std::shared_ptr<robot::RobotLink>> open_robot(
     const ControllerAddress& controller,
     double connect_patience_s = robot::ur::UrLink::Config{}.connect_patience_s,
-    robot::ur::ArmClaim* claim = nullptr, bool ask_force = false);
+    robot::ur::ArmClaim* claim = nullptr, bool ask_force = false, int flange_input = -1);
 
 /// Where it is asked about itself.  Of dashboard and Robot API the one that is told, or both; without being
 /// told, both at the usual ports beside the script's.

@@ -275,9 +275,11 @@ Result<ExitStatus> follow_path(const fs::path& folder, const PlanStep& plan, con
     return say_refused(folder, inputs);
   };
 
-  BITELINE_ASSIGN(const std::shared_ptr<robot::RobotLink> link,
-                  open_robot(request.controller, robot::ur::UrLink::Config{}.connect_patience_s,
-                             request.claim, plan.request.process.force && !plan.request.tool_off));
+  const int flange_input = process.force && process.force->flange ? process.force->flange->analog_input : -1;
+  BITELINE_ASSIGN(
+      const std::shared_ptr<robot::RobotLink> link,
+      open_robot(request.controller, robot::ur::UrLink::Config{}.connect_patience_s, request.claim,
+                 plan.request.process.force && !plan.request.tool_off, flange_input));
   const Result<robot::RobotState> still = robot::wait_until_still(
       *link, {.turn_rad = robot::k_ringing_rad, .move_mm = robot::k_ringing_mm, .mark = request.mark});
   if (request.mark.stopped()) return stopped();

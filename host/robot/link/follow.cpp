@@ -67,6 +67,7 @@ Errc errc_of(Halt halt) {
     case Halt::ContactLost:
     case Halt::ForceTooHigh:
     case Halt::ForceOff:
+    case Halt::FlangeDead:
       return Errc::CheckFailed;
     case Halt::ToolOn:
       return Errc::DeviceError;
@@ -253,6 +254,7 @@ void fill(FollowReport& report, const std::vector<RobotState>& states, const pat
     report.track.push_back({.time_s = seconds(state.sampled - states.front().sampled),
                             .T_base_tcp = state.T_base_tcp,
                             .force_base_newton = state.force_base_newton,
+                            .flange_ratio = state.flange_ratio,
                             .presses = state.force_word == static_cast<int>(ur::ForceWord::Presses)});
   }
   report.deviation = path::deviation(path.path(), report.track);

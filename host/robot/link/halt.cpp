@@ -36,6 +36,8 @@ std::span<const report::RefusalRow<Halt>> refusal_table(Halt) {
       Row{Halt::ForceTooHigh, "force_too_high", "look at tool and shoe for damage, and scan again"},
       Row{Halt::ForceOff, "force_off",
           "check the tool and the arm's force sensor: its zero, the payload, cables that pull"},
+      Row{Halt::FlangeDead, "flange_dead",
+          "look at the flange: its air, its power, its lines, an end of its stroke; scan again"},
       Row{Halt::StopDoorClosed, "stop_door_closed",
           "set the controller to remote control, and see what ends connections to its script port"},
   };

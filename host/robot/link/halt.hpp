@@ -29,7 +29,8 @@ enum class Halt {
   NoContact,       ///< the tool did not touch the shoe within the process's reach
   ContactLost,     ///< it touched, and does not any more
   ForceTooHigh,    ///< it presses harder than the process allows
-  ForceOff,        ///< the arm does not come to the set force
+  ForceOff,        ///< arm or flange do not come to the set force
+  FlangeDead,      ///< the flange that presses is not ready any more, or has no force
   StopDoorClosed,  ///< a stop could not switch the tool off: nothing can be sent
 };
 

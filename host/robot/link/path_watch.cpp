@@ -135,6 +135,11 @@ std::optional<HaltReason> PathWatch::look_at_word(const RobotState& state) const
       return halt(Halt::ForceTooHigh,
                   FixedText<200>::format("the tool presses with more than %.0f N at %.0f mm of the path",
                                          force.most_newton, here_mm_));
+    case ur::ForceWord::FlangeDead:
+      return halt(Halt::FlangeDead,
+                  FixedText<200>::format("the flange was not ready, or read less than half of its force, for "
+                                         "%.2f s at %.0f mm of the path",
+                                         force.lost_s, here_mm_));
     case ur::ForceWord::None:
     case ur::ForceWord::Seeks:
     case ur::ForceWord::Presses:
@@ -147,12 +152,14 @@ std::optional<HaltReason> PathWatch::look_at_force(const RobotState& state, cons
   if (!path::presses(path_) || path_.force->tolerance_ratio == 0) return std::nullopt;
   const bool presses = state.force_word == static_cast<int>(ur::ForceWord::Presses);
   const path::Waypoint& here = path_.waypoints[place.segment];
-  if (!presses || !state.force_base_newton || here.segment != path::Segment::Line) {
+  const std::optional<Vec3> felt =
+      path::felt_newton(path_, place, state.force_base_newton, state.flange_ratio);
+  if (!presses || !felt || here.segment != path::Segment::Line) {
     pressed_ = false;
     force_off_s_ = 0;
     return std::nullopt;
   }
-  const double told = -state.force_base_newton->dot(path::press_at(path_, place));
+  const double told = -felt->dot(path::press_at(path_, place));
   const double share = step_s_ / (step_s_ + k_force_lag_s);
   pressed_newton_ = std::exchange(pressed_, true) ? pressed_newton_ + share * (told - pressed_newton_) : told;
   const double off = std::abs(pressed_newton_ - here.force_newton);

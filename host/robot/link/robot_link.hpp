@@ -35,6 +35,7 @@ struct RobotState {
   double speed_ratio{0};  ///< of the programmed speed: the slider times the limits
   /// On the tool at its tip, N in base axes, by the arm's own sensor; nothing: not asked for.
   std::optional<Vec3> force_base_newton{};
+  std::optional<double> flange_ratio{};  ///< of a flange's full force, as it reads it; nothing: not asked for
   int force_word{0};                 ///< what a program that presses tells (ur/force_script.hpp, ForceWord)
   std::uint64_t digital_outputs{0};  ///< bits, as they are at the controller's terminals
 

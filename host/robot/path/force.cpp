@@ -10,7 +10,7 @@ namespace biteline::path {
 namespace {
 
 double off_mm(const PlannedPath& path, const Vec3& off, const Vec3& press_base) {
-  if (!presses(path) || press_base.isZero()) return off.norm();
+  if (!presses(path) || path.force->flange || press_base.isZero()) return off.norm();
   const double along_mm = off.dot(press_base);
   if (!(std::abs(along_mm) <= path.force->reach_mm)) return off.norm();
   return (off - along_mm * press_base).norm();
@@ -78,6 +78,14 @@ Vec3 press_at(const PlannedPath& path, const PathPlace& place) {
   const Vec3 &a = path.waypoints[place.segment].press_base, &b = path.waypoints[place.segment + 1].press_base;
   const Vec3 mixed = (1 - place.fraction) * a + place.fraction * b;
   return mixed.isZero(1e-6) ? Vec3{Vec3::Zero()} : Vec3{mixed.normalized()};
+}
+
+std::optional<Vec3> felt_newton(const PlannedPath& path, const PathPlace& place,
+                                const std::optional<Vec3>& force_base_newton,
+                                const std::optional<double>& flange_ratio) {
+  if (!path.force || !path.force->flange) return force_base_newton;
+  if (!flange_ratio) return std::nullopt;
+  return Vec3{-*flange_ratio * path.force->flange->full_newton * press_at(path, place)};
 }
 
 double off_path_mm(const PlannedPath& path, const PathPlace& place, const Vec3& tip_base) {

@@ -87,7 +87,9 @@ std::optional<ForceTold> force_told(const PlannedPath& path, std::span<const Tra
     const double arc_mm = place ? arc_at(path, *place) : 0;
     const bool level = run != nullptr && arc_mm >= path.waypoints[run->first].arc_mm + force.ramp_mm &&
                        arc_mm <= path.waypoints[run->last].arc_mm - force.ramp_mm;
-    if (!level || !sample.presses || !sample.force_base_newton || !sample.force_base_newton->allFinite()) {
+    const std::optional<Vec3> felt =
+        place ? felt_newton(path, *place, sample.force_base_newton, sample.flange_ratio) : std::nullopt;
+    if (!level || !sample.presses || !felt || !felt->allFinite()) {
       smooth.forget();
       continue;
     }
@@ -95,7 +97,7 @@ std::optional<ForceTold> force_told(const PlannedPath& path, std::span<const Tra
     const Vec3 press_base = press_at(path, *place);
     const double ratio = round_ratio_at(path, *place);
     const Vec3 zero = zero_of(*run);
-    const ForceSample reading{ratio, R_tcp_base * *sample.force_base_newton, R_tcp_base * press_base};
+    const ForceSample reading{ratio, R_tcp_base * *felt, R_tcp_base * press_base};
     const Vec3 error = at_place(errors, ratio) - zero;
     figures.take(told, smooth.take(-(reading.told_tcp - error).dot(reading.press_tcp), sample.time_s),
                  force.set_newton,

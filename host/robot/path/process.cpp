@@ -259,10 +259,37 @@ bool says_anything(const Flow& flow, double overlap_mm) {
          flow.purge_s > 0 || flow.film_overlap_mm < overlap_mm;
 }
 
-std::optional<Force> read_force(YamlReader reader) {
+/// Lines that another part of the process switches would let the flange go.
+void check_flange(YamlReader& reader, const Process& process) {
+  if (!process.force || !process.force->flange) return;
+  const Flange& flange = *process.force->flange;
+  if (flange.on_output == process.digital_output)
+    reader.fault(Errc::BadValue, "force.flange_on_output", "another one than digital_output");
+  if (process.flow && process.flow->analog_output == flange.analog_output)
+    reader.fault(Errc::BadValue, "force.flange_analog_output", "another one than flow.analog_output");
+}
+
+Flange read_flange(YamlReader& reader, double tilt_rad) {
+  const NumberRange line{.minimum = 0, .maximum = 7}, analog{.minimum = 0, .maximum = 1};
+  const Flange d;
+  return {
+      .analog_output = static_cast<int>(reader.integer_or("flange_analog_output", d.analog_output, analog)),
+      .analog_input = static_cast<int>(reader.integer_or("flange_analog_input", d.analog_input, analog)),
+      .on_output = static_cast<int>(reader.integer_or("flange_on_output", 4, line)),
+      .ready_input = static_cast<int>(reader.integer_or("flange_ready_input", 4, line)),
+      .full_newton = reader.number_or("flange_full_n", d.full_newton, {.minimum = 10, .maximum = 1000}),
+      .stroke_mm = reader.number_or("flange_stroke_mm", d.stroke_mm, {.minimum = 2, .maximum = 100}),
+      .tilt_rad =
+          reader.number_or("flange_tilt_deg", tilt_rad / k_rad_per_deg, {.minimum = -90, .maximum = 90}) *
+          k_rad_per_deg};
+}
+
+std::optional<Force> read_force(YamlReader reader, double tilt_rad) {
   constexpr double k_s_per_ms = 1e-3, k_per_percent = 1e-2;
   const Force d;
   const double set_newton = reader.number_or("set_n", 0, {.minimum = 0, .maximum = 200});
+  const bool by_flange = reader.choice_or_first("by", {"arm", "flange"}) == "flange";
+  const Flange flange = read_flange(reader, tilt_rad);
   const Force force{
       .set_newton = set_newton,
       .contact_newton = reader.number_or("contact_n", d.contact_newton, {.minimum = 1, .maximum = 50}),
@@ -277,12 +304,15 @@ std::optional<Force> read_force(YamlReader reader) {
           reader.number_or("lost_ms", d.lost_s / k_s_per_ms, {.minimum = 20, .maximum = 2000}) * k_s_per_ms,
       .tolerance_ratio = reader.number_or("tolerance_percent", d.tolerance_ratio / k_per_percent,
                                           {.minimum = 0, .maximum = 200}) *
-                         k_per_percent};
+                         k_per_percent,
+      .flange = by_flange ? std::optional{flange} : std::nullopt};
   if (set_newton == 0) return std::nullopt;
   if (set_newton < 2 * force.contact_newton)
     reader.fault(Errc::BadValue, "set_n", "0, or at least twice contact_n");
   if (force.most_newton < 1.2 * set_newton)
     reader.fault(Errc::BadValue, "most_n", "at least 1.2 times set_n");
+  if (by_flange && force.reach_mm > flange.stroke_mm / 2)
+    reader.fault(Errc::BadValue, "flange_stroke_mm", "at least twice reach_mm");
   return force;
 }
 
@@ -324,9 +354,10 @@ Process read_all(YamlReader& reader) {
     if (process.digital_output < 0)
       reader.fault(Errc::BadValue, "digital_output", "the gun's output, 0 to 7, where there is a flow");
   }
-  process.force = read_force(reader.child("force", false));
+  process.force = read_force(reader.child("force", false), process.placement.tilt_rad);
   if (process.force && process.placement.standoff_mm > 0)
     reader.fault(Errc::BadValue, "force.set_n", "0 where the tool stands off (placement.standoff_mm)");
+  check_flange(reader, process);
   if (process.after_work != AfterWork::None && !(covered_width_mm(process) > 0))
     reader.fault(Errc::BadValue, "after_work", "a look needs the band's width: coverage expected");
   check_stall(reader, process);
@@ -341,6 +372,10 @@ bool is_name(const std::string& text) {
   };
   return text.size() <= bounds::k_name && std::ranges::all_of(text, in_a_name) && !text.empty() &&
          text.front() != '.' && text.front() != '_' && text.front() != '-';
+}
+
+Vec3 axis_tcp(const Flange& flange) {
+  return {0, -std::sin(flange.tilt_rad), std::cos(flange.tilt_rad)};
 }
 
 double covered_width_mm(const Process& process) {

@@ -110,8 +110,22 @@ struct Flow {
   Vec3 purge_at_base{Vec3::Zero()};  ///< where the tip is then, in the arm's base, the tool straight down
 };
 
-/// How hard the tool presses along the line.  The arm's force mode keeps the force; across it the arm keeps
-/// the path.
+/// A device between the arm's flange and the tool that keeps a force by itself, over its stroke along an axis
+/// of its own.  In the middle of the stroke the tip stands at its place.  Its lines are the controller's
+/// standard ones.
+struct Flange {
+  int analog_output{0}, analog_input{0};  ///< 0 or 1: the set force, and its reading; full at full_newton
+  int on_output{-1};                      ///< digital, 0 to 7: it presses
+  int ready_input{-1};                    ///< digital, 0 to 7: no fault, and not at an end of its stroke
+  double full_newton{100};
+  double stroke_mm{30};
+  double tilt_rad{0};  ///< of its axis from the tool's, about the line, as a tool is tilted
+};
+/// Along it the tool comes out, in tcp.
+[[nodiscard]] Vec3 axis_tcp(const Flange& flange);
+
+/// How hard the tool presses along the line.  The arm's force mode keeps the force and the path across it; or
+/// a flange keeps the force and the arm the path.
 struct Force {
   double set_newton{20};
   double contact_newton{3};   ///< from here on the tool touches; half of it: it does not any more
@@ -126,6 +140,7 @@ struct Force {
   /// Of the set force, from the arm's own reading; farther off for follow.stall_s the run is stopped.  0: not
   /// watched.
   double tolerance_ratio{0.5};
+  std::optional<Flange> flange{};  ///< presses; none: the arm's force mode does
 };
 
 /// Of a model's shoes at one cell (force_learning.hpp), by even places round the line from the heel's end,

@@ -13,6 +13,7 @@ struct TrackSample {
   double time_s{0};
   SE3 T_base_tcp;
   std::optional<Vec3> force_base_newton{};  ///< on the tool at its tip, by the arm's own sensor
+  std::optional<double> flange_ratio{};     ///< of its full force, as a flange reads it
   bool presses{false};                      ///< the program says that the tool touches
 };
 

@@ -4,7 +4,8 @@
 // alone and once with what an air run and the shoes before have taught.  Contact is MuJoCo's; sensor,
 // regulator and upper are simulated: the sensor's error changes with the place by 1.1 N (root mean square),
 // as a UR5e's was measured.  Each shoe stands a few mm elsewhere, has its own upper (0.5 to 2 N/mm3), and its
-// line is off by 0.1 mm.
+// line is off by 0.1 mm.  Grind and rough are run by a simulated constant-force flange, too: it needs no air
+// run, and learns from its own reading.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -32,6 +33,7 @@ constexpr int k_shoes_each = 5;
 constexpr double k_speed_mm_s = 60, k_step_s = 0.002;
 /// The bars.
 constexpr double k_band_ratio = 0.15, k_least_alone = 0.80, k_least_learned = 0.95;
+constexpr int k_flange_line = 4;
 /// Less than a pass takes off.
 constexpr double k_removed_mm = 0.02;
 
@@ -105,6 +107,7 @@ struct Job {
   double set_newton;
   double gain_ratio, damping_ratio;  ///< of force mode: more gain for the softer tool
   sim::ContactTool tool;
+  bool by_flange{false};  ///< else by the arm's force mode
 };
 
 path::Process process_of(const Job& job) {
@@ -117,6 +120,12 @@ path::Process process_of(const Job& job) {
                               .damping_ratio = job.damping_ratio,
                               .gain_ratio = job.gain_ratio,
                               .most_newton = 4 * job.set_newton};
+  if (job.by_flange) {
+    // On a bracket, its stroke along the force: it cannot be turned about the tool.
+    process.tool.free_turn_rad = 0;
+    process.force->flange = path::Flange{
+        .on_output = k_flange_line, .ready_input = k_flange_line, .tilt_rad = process.placement.tilt_rad};
+  }
   return process;
 }
 
@@ -194,8 +203,15 @@ Result<Pressed> press(const Model& model, const Shoe& shoe, const path::PlanRequ
       return felt.back().force_base;
     };
   }
+  const auto run_by = [&](const auto& facts) {
+    return sim::press_along(program, facts, touch, robot::ur::k_force_register, k_step_s);
+  };
   const sim::PressRun run =
-      sim::press_along(program, shoe.sensor, touch, robot::ur::k_force_register, k_step_s);
+      job.by_flange ? run_by(sim::FlangeFacts{.on_output = k_flange_line,
+                                              .ready_input = k_flange_line,
+                                              .axis_tcp = path::axis_tcp(*request.process.force->flange),
+                                              .seed = shoe.sensor.noise_seed})
+                    : run_by(shoe.sensor);
   out.halted = run.halted;
   out.word = run.steps.back().told;
   const Way way{out.path};
@@ -285,12 +301,15 @@ void work(const Model& model, const std::vector<Shoe>& shoes, const Job& job, co
       std::fprintf(stderr, "bench_force: %s: %s\n", job.name, to_line(pressed.error()).c_str());
     }
   };
-  const Result<Pressed> air =
-      press(model, shoes.front(), path::force_air_run(request_of(model, shoes.front(), process)), job, arm);
-  if (air) {
-    path::learn_air(learned, air->told);
-  } else {
-    std::fprintf(stderr, "bench_force: %s in the air: %s\n", job.name, to_line(air.error()).c_str());
+  // A flange's reading does not change with the place: what it reads beside the shoe teaches nothing.
+  if (!job.by_flange) {
+    const Result<Pressed> air =
+        press(model, shoes.front(), path::force_air_run(request_of(model, shoes.front(), process)), job, arm);
+    if (air) {
+      path::learn_air(learned, air->told);
+    } else {
+      std::fprintf(stderr, "bench_force: %s in the air: %s\n", job.name, to_line(air.error()).c_str());
+    }
   }
   for (const Shoe& shoe : shoes) {
     note(press(model, shoe, request_of(model, shoe, process), job, arm), sums.alone);
@@ -309,7 +328,9 @@ int run(int count, std::uint64_t seed) {
   const auto arm = sim::ArmKinematics::named(k_arm);
   const std::array jobs{Job{"grind", "grind", 20, 2, 0.3, sim::grinding_disc()},
                         Job{"rough", "rough", 15, 2, 0.15, sim::roughing_brush()},
-                        Job{"roll", "grind", 20, 2, 0.3, sim::pressing_roller()}};
+                        Job{"roll", "grind", 20, 2, 0.3, sim::pressing_roller()},
+                        Job{"grind by a flange", "grind", 20, 2, 0.3, sim::grinding_disc(), true},
+                        Job{"rough by a flange", "rough", 15, 2, 0.15, sim::roughing_brush(), true}};
   std::array<Sums, jobs.size()> sums;
   for (int done = 0; done < count; done += k_shoes_each) {
     const std::uint64_t of_model = seed + static_cast<std::uint64_t>(done / k_shoes_each);

@@ -74,7 +74,11 @@ std::string pump_rows(const path::Flow& flow) {
 }  // namespace
 
 ToolOutputs outputs_of(const PlannedPath& path) {
-  return {.digital = path.digital_output, .analog = path.flow ? path.flow->analog_output : -1};
+  const bool flange = path.force && path.force->flange;
+  return {.digital = path.digital_output,
+          .analog = path.flow ? path.flow->analog_output : -1,
+          .flange_on = flange ? path.force->flange->on_output : -1,
+          .flange_analog = flange ? path.force->flange->analog_output : -1};
 }
 
 std::string outputs_off(const ToolOutputs& outputs, std::string_view indent) {
@@ -84,6 +88,10 @@ std::string outputs_off(const ToolOutputs& outputs, std::string_view indent) {
     text += begin + Row::format("set_standard_digital_out(%d, False)\n", outputs.digital).c_str();
   if (outputs.analog >= 0)
     text += begin + Row::format("set_standard_analog_out(%d, 0)\n", outputs.analog).c_str();
+  if (outputs.flange_on >= 0)
+    text += begin + Row::format("set_standard_digital_out(%d, False)\n", outputs.flange_on).c_str();
+  if (outputs.flange_analog >= 0)
+    text += begin + Row::format("set_standard_analog_out(%d, 0)\n", outputs.flange_analog).c_str();
   return text;
 }
 

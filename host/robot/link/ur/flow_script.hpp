@@ -11,11 +11,12 @@ namespace biteline::robot::ur {
 
 /// The tool's outputs on the controller's terminals.
 struct ToolOutputs {
-  int digital{-1};  ///< of its gun; -1: none
-  int analog{-1};   ///< of its flow; -1: none
+  int digital{-1};                       ///< of its gun; -1: none
+  int analog{-1};                        ///< of its flow; -1: none
+  int flange_on{-1}, flange_analog{-1};  ///< of a flange that presses; -1: none
 };
 [[nodiscard]] ToolOutputs outputs_of(const path::PlannedPath& path);
-/// Both off, as rows of a program.
+/// All off, as rows of a program.
 [[nodiscard]] std::string outputs_off(const ToolOutputs& outputs, std::string_view indent = "  ");
 
 /// Where the film of a run ends, for the thread.

@@ -18,9 +18,10 @@ enum class ForceWord : int {
   None = 0,
   Seeks = 1,
   Presses = 2,
-  Untouched = 11,  ///< no contact within the process's reach
-  Lost = 12,       ///< none any more
-  TooHigh = 13,    ///< more than the process allows
+  Untouched = 11,   ///< no contact within the process's reach
+  Lost = 12,        ///< none any more
+  TooHigh = 13,     ///< more than the process allows
+  FlangeDead = 14,  ///< a flange that is not ready any more, or does not come to its force
 };
 
 /// Force and direction by the tip's way over all runs on the line, m: the waypoints where the direction has

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "common/core/fixed_text.hpp"
+#include "host/robot/link/ur/flange_script.hpp"
 #include "host/robot/link/ur/flow_script.hpp"
 #include "host/robot/link/ur/force_script.hpp"
 #include "host/robot/link/ur/units.hpp"
@@ -141,7 +142,8 @@ std::string urscript(const path::CheckedPath& checked, const std::optional<int>&
     if (flows && path.purge_via == i) text += flow_purge(path);
   }
   if (flows) text += flow_thread(path);
-  if (presses) text += force_thread(path, outputs);
+  const bool by_flange = presses && path.force->flange;
+  if (presses) text += by_flange ? flange_thread(path, outputs) : force_thread(path, outputs);
   text += joint_move_text(w.front().q_rad, way_rad_s).view();
   std::size_t at = 0;
   double pressed_mm = 0;
@@ -151,12 +153,13 @@ std::string urscript(const path::CheckedPath& checked, const std::optional<int>&
     if (presses && on_line) {
       // The last step of the way in: near to the touch, and beside the shoe.
       const std::size_t free = std::max(at, run.first > 0 ? run.first - 1 : 0);
-      text += straight_moves(path, at, free) + force_zero();
+      text += straight_moves(path, at, free) + (by_flange ? flange_out() : force_zero());
       at = free;
     }
     text += straight_moves(path, at, run.first);
     if (on_line) text += tool_begins(path, run, std::exchange(closes, false));
-    if (presses && on_line) text += force_begins(path, pressed_mm);
+    if (presses && on_line)
+      text += by_flange ? flange_begins(path, pressed_mm) : force_begins(path, pressed_mm);
     text += rounded_moves(on_line ? "movep" : "movel", path, run);
     if (on_line && flows) text += flow_ends();
     if (presses && on_line) {

@@ -45,7 +45,12 @@ enum Field : std::size_t {
 /// From First on.
 struct Asked {
   bool payload{false}, force{false};
+  int flange_input{-1};
 };
+Asked asked_by(const UrLink::Config& config) {
+  return {.payload = config.ask_payload, .force = config.ask_force, .flange_input = config.flange_input};
+}
+constexpr double k_full_volts = 10;  // of an analog input
 std::vector<rtde::Variable> variables(const Asked& asked) {
   using enum rtde::FieldType;
   std::vector<rtde::Variable> all{{"timestamp", Double},
@@ -63,6 +68,8 @@ std::vector<rtde::Variable> variables(const Asked& asked) {
     all.push_back({"actual_TCP_force", Vector6d});
     all.push_back({"output_int_register_" + std::to_string(k_force_register), Int32});
   }
+  if (asked.flange_input >= 0)
+    all.push_back({"standard_analog_input" + std::to_string(asked.flange_input), Double});
   return all;
 }
 
@@ -126,6 +133,12 @@ Result<RobotState> to_state(std::span<const rtde::Value> values, const Asked& as
     if (!all_finite(force)) return fail(Errc::BadValue, "actual_TCP_force without numbers");
     state.force_base_newton = Vec3{force[0], force[1], force[2]};
     state.force_word = std::get<std::int32_t>(values[next + 1]);
+    next += 2;
+  }
+  if (asked.flange_input >= 0) {
+    const double volts = std::get<double>(values[next]);
+    if (!std::isfinite(volts)) return fail(Errc::BadValue, "standard_analog_input without a number");
+    state.flange_ratio = volts / k_full_volts;
   }
   return state;
 }
@@ -197,8 +210,7 @@ UrLink::~UrLink() {
 
 void UrLink::run() {
   rtde::ClientSession session{
-      {.outputs = {{.variables = variables({.payload = config_.ask_payload, .force = config_.ask_force}),
-                    .frequency_hz = config_.rate_hz}},
+      {.outputs = {{.variables = variables(asked_by(config_)), .frequency_hz = config_.rate_hz}},
        .inputs = {}}};
   while (!stopping_) {
     const Result<void> ended = serve_connection(session);
@@ -213,7 +225,7 @@ Result<void> UrLink::serve_connection(rtde::ClientSession& session) {
   BITELINE_ASSIGN(TcpStream stream, TcpStream::connect({config_.host, config_.rtde_port},
                                                        from_seconds(config_.connect_patience_s)));
   session.start();
-  Reader reader{*this, {.payload = config_.ask_payload, .force = config_.ask_force}};
+  Reader reader{*this, asked_by(config_)};
   std::vector<std::uint8_t> bytes;
   HostClock::time_point heard = now();
   while (!stopping_) {

@@ -44,6 +44,7 @@ class UrLink final : public RobotLink {
     /// Also asks for the force on the tool and for what a program that presses tells; no such program is sent
     /// without.  A controller before 3.9 or 5.3 refuses the question.
     bool ask_force{false};
+    int flange_input{-1};  ///< standard analog input with a flange's reading; -1: none
     /// Holds the register of the dead man, and outlives this; nullptr: sent programs have none.
     ArmClaim* claim{nullptr};
   };

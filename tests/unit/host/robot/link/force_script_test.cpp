@@ -16,11 +16,12 @@
 #include "host/robot/path/force_told.hpp"
 #include "host/robot/path/place.hpp"
 #include "tests/unit/host/robot/link/planned.hpp"
+#include "tests/unit/host/robot/link/wall_of_springs.hpp"
 
 namespace biteline::robot::ur {
 namespace {
 
-constexpr double k_set_newton = 20, k_wall_newton_per_mm = 15;
+constexpr double k_set_newton = 20, k_wall_newton_per_mm = test::k_wall_newton_per_mm;
 
 path::PlanRequest pressing_request() {
   path::PlanRequest asked = test::plan_request("grind.yaml");
@@ -34,39 +35,10 @@ const path::CheckedPath& pressing() {
   return *outcome.path;
 }
 
-/// Springs where the path's tips are, `deeper_mm` farther in, by the time since the touch.
-struct Wall {
-  const path::PlannedPath& path;
-  std::function<double(double touched_s)> deeper_mm;
-  std::size_t near{0};
-  double touched_s{0};
-
-  Vec3 operator()(const SE3& T_base_tcp, double step_s) {
-    const Vec3 tip = T_base_tcp.translation();
-    const auto off = [&](std::size_t i) { return (path.waypoints[i].T_base_tcp.translation() - tip).norm(); };
-    for (std::size_t i = 0; i < path.waypoints.size(); ++i) {
-      if (path.waypoints[i].segment == path::Segment::Line && off(i) < off(near)) near = i;
-    }
-    const path::Waypoint& w = path.waypoints[near];
-    const double depth_mm = (tip - w.T_base_tcp.translation()).dot(w.press_base) - deeper_mm(touched_s);
-    if (depth_mm > 0 || touched_s > 0) touched_s += step_s;
-    return -std::max(0.0, depth_mm) * k_wall_newton_per_mm * w.press_base;
-  }
-};
-
-std::shared_ptr<const sim::Program> program_of(const path::CheckedPath& checked) {
-  sim::Script script = *sim::parse_script(urscript(checked));
-  const auto arm = sim::ArmKinematics::named("ur5e");
-  const sim::JointVector from_rad = checked.path().waypoints.front().q_rad;
-  script.start_rad = from_rad;
-  return std::make_shared<const sim::Program>(
-      sim::Program::plan(script, *arm, arm->T_base_flange(from_rad), SE3::Identity()));
-}
-
 sim::PressRun run_on(const std::function<double(double)>& deeper_mm, const sim::ForceFacts& facts = {},
                      const path::CheckedPath& checked = pressing()) {
-  Wall wall{.path = checked.path(), .deeper_mm = deeper_mm};
-  return sim::press_along(program_of(checked), facts, std::ref(wall), k_force_register);
+  test::Wall wall{.path = checked.path(), .deeper_mm = deeper_mm};
+  return sim::press_along(test::program_of(checked), facts, std::ref(wall), k_force_register);
 }
 
 int last_word(const sim::PressRun& run) {
@@ -232,7 +204,7 @@ TEST(ForceScript, WhatAnAirRunTeachesTakesOffTheSensorsError) {
   CHECK_TEXT(air.path.has_value(), air.reason().c_str());
   std::vector<path::ForceSample> samples;
   for (const sim::PressStep& step :
-       sim::press_along(program_of(*air.path), facts, {}, k_force_register).steps) {
+       sim::press_along(test::program_of(*air.path), facts, {}, k_force_register).steps) {
     for (const path::Waypoint& w : air.path->path().waypoints) {
       if (w.segment != path::Segment::Line || (w.T_base_tcp.translation() - step.tip_base).norm() > 0.2)
         continue;

@@ -94,6 +94,39 @@ TEST(ProcessFile, AFlowThatCannotBeIsRefused) {
   CHECK(!read_changed("digital_output: 0", "flow: {gun_on_ms: 5}"));
 }
 
+TEST(ProcessFile, AFlangeIsReadInItsUnits) {
+  const auto process = read_changed(
+      "gate:",
+      "force: {set_n: 20, by: flange, flange_full_n: 80, flange_stroke_mm: 24, flange_tilt_deg: 30,\n"
+      "        flange_analog_output: 1, flange_analog_input: 1, flange_on_output: 5, flange_ready_input: 6}\n"
+      "gate:");
+  CHECK(process.has_value());
+  CHECK(process->force->flange.has_value());
+  const Flange& flange = *process->force->flange;
+  DOUBLES_EQUAL(80, flange.full_newton, 1e-12);
+  DOUBLES_EQUAL(24, flange.stroke_mm, 1e-12);
+  LONGS_EQUAL(1, flange.analog_output);
+  LONGS_EQUAL(1, flange.analog_input);
+  LONGS_EQUAL(5, flange.on_output);
+  LONGS_EQUAL(6, flange.ready_input);
+  // Tilted by 30 degrees about the line, as a tool of that tilt leans from it.
+  DOUBLES_EQUAL(std::cos(std::numbers::pi / 6), axis_tcp(flange).z(), 1e-12);
+  DOUBLES_EQUAL(-0.5, axis_tcp(flange).y(), 1e-12);
+  const auto plain = read_changed("gate:", "force: {set_n: 20, by: flange}\ngate:");
+  DOUBLES_EQUAL(plain->placement.tilt_rad, plain->force->flange->tilt_rad, 1e-12);
+  CHECK(!read_changed("gate:", "force: {set_n: 20}\ngate:")->force->flange);
+}
+
+/// Its lines are its own, and its stroke is longer than what shoes and lines differ by.
+TEST(ProcessFile, AFlangeThatCannotBeIsRefused) {
+  for (const char* keys :
+       {"force: {set_n: 20, by: flange, flange_on_output: 0}",
+        "force: {set_n: 20, by: flange, flange_stroke_mm: 5}",
+        "force: {set_n: 20, by: flange, flange_ready_input: 8}", "force: {set_n: 20, by: spring}",
+        "flow: {analog_output: 0}\nforce: {set_n: 20, by: flange}"})
+    CHECK_TEXT(!read_changed("gate:", std::string{keys} + "\ngate:"), keys);
+}
+
 TEST(ProcessFile, ZonesAreReadInTheirUnits) {
   const auto process = read_changed(
       "gate:",
