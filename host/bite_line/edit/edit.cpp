@@ -24,12 +24,17 @@ geometry::ArcLength arc_of(const ClosedLine& line) {
 }
 
 /// What calibration, poses and clock leave is in each U95 of a line that was found, so it is no more than
-/// that of its surest place.  A crease or a hand knows nothing of it.
-double least_u95_mm(const ClosedLine& line) {
+/// that of its surest place.  A crease or a hand knows nothing of it.  A place that may be on another crease
+/// tells nothing of it either: where all may be, a hand's own counts.
+double least_u95_mm(const Surface& surface, const ClosedLine& line) {
   std::optional<double> least;
-  for (const LinePoint& point : line.points)
-    if (point.u95_mm) least = std::min(least.value_or(*point.u95_mm), *point.u95_mm);
-  return least.value_or(0);
+  bool known = false;
+  for (const LinePoint& point : line.points) {
+    if (!point.u95_mm) continue;
+    known = true;
+    if (surface.sure_beside(point.position)) least = std::min(least.value_or(*point.u95_mm), *point.u95_mm);
+  }
+  return least.value_or(known ? k_hand_u95_mm : 0);
 }
 
 class Mending {
@@ -52,7 +57,7 @@ class Mending {
     return {};
   }
   ClosedLine take() {
-    const double least_mm = least_u95_mm(base_);
+    const double least_mm = least_u95_mm(surface_, base_);
     for (LinePoint& point : line_.points)
       if (point.source == PointSource::Mended && point.u95_mm)
         point.u95_mm = std::max(*point.u95_mm, least_mm);

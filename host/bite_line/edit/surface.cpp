@@ -44,6 +44,15 @@ cloud::ClosedLine Surface::candidate(int number) const {
   return even_line(placed, T_base_shoe(), 1.0, {}, Config{}.point_spacing_mm);
 }
 
+bool Surface::sure_beside(const Vec3& point) const {
+  constexpr double k_beside_mm = 1.0;
+  constexpr double k_sure_hold = 0.99;  // the rest widens a U95 by a twentieth
+  const Vec3 in_shoe = T_base_shoe().inverse() * point;
+  return std::ranges::any_of(placed_.points, [&](const PlacedStation& station) {
+    return station.hold >= k_sure_hold && (station.position - in_shoe).norm() <= k_beside_mm;
+  });
+}
+
 ScanPoints Surface::points() const {
   return runs_.scan(points_);
 }

@@ -36,6 +36,9 @@ class Surface {
   /// there is such a one.
   [[nodiscard]] cloud::ClosedLine candidate(int number) const;
 
+  /// Whether the found line passes within 1 mm of a point (base), and is on its crease with 99 % there.
+  [[nodiscard]] bool sure_beside(const Vec3& point) const;
+
   /// Where a point (base) lies on the unrolled side: s, z; nothing when it lies beyond.
   [[nodiscard]] std::optional<Vec2> locate(const Vec3& point) const;
   [[nodiscard]] double turn_mm() const { return side_.outline.length_mm(); }  ///< of s, once round

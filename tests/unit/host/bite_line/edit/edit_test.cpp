@@ -95,6 +95,19 @@ TEST(Mend, AHandsWordCountsForMoreThanTheDoubtThatItReplaces) {
   }
 }
 
+TEST(Mend, WhatTheHeadMayBeOffByIsInAMendedPlaceToo) {
+  cloud::ClosedLine base = spoiled(300, 100);
+  for (cloud::LinePoint& point : base.points) point.u95_mm = 0.8;
+  base.points[350].u95_mm = 0.01;  // off the line that was found: it tells nothing
+  const Step step{.kind = Step::Kind::Through,
+                  .stretch = {.from_mm = mm_of(base, 290), .to_mm = mm_of(base, 410)},
+                  .points = {found().points[350].position}};
+  const OrRefusal<cloud::ClosedLine> sut = mend(surface(), base, {&step, 1}, {});
+  CHECK(sut.has_value());
+  for (const cloud::LinePoint& point : sut->points)
+    if (point.source == cloud::PointSource::Mended) DOUBLES_EQUAL(0.8, point.u95_mm.value_or(9), 1e-9);
+}
+
 TEST(Mend, ACutTakesOutTheBulge) {
   const cloud::ClosedLine wrong = spoiled(500, 40);
   const Step step{.kind = Step::Kind::Cut,
