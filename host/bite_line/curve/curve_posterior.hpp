@@ -45,7 +45,7 @@ struct PosteriorConfig {
   PlaceSigns place{-2.06, 1.17, 5.13, 1.97, 4.36, 2.05, 4.07};
   /// The fit's shoes are the hard ones.  Of a factory's so many times fewer places are wrong: its odds are
   /// corrected by that (King, Zeng, "Logistic regression in rare events data", Political Analysis 9, 2001).
-  double place_rarer{0.15};
+  double place_rarer{0.1};
   /// Where nothing is seen, the way that costs as much is as likely.
   double unseen{1.0};
   double unseen_more{-20.0};

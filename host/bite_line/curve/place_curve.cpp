@@ -19,6 +19,8 @@ namespace biteline::bite_line {
 namespace {
 
 constexpr std::size_t k_most_rivals = 6;  // that are told
+/// Where a place is doubted and no other one is known: what lies nearer would be the same crease.
+constexpr double k_nearest_other_mm = RivalConfig{}.same_mm;
 
 /// The station beside each column, by where a station lies along the columns.
 template <class Along>
@@ -86,9 +88,8 @@ Layers layers_of(const CurveOnSide& found, std::span<const CurveStation* const> 
   layers.line.evidence = found.evidence;
   for (const CurveStation* station : stations) {
     layers.hold.push_back(static_cast<float>(station->hold));
-    layers.other_mm.push_back(station->alternatives.empty()
-                                  ? 0.0F
-                                  : static_cast<float>(std::abs(station->alternatives.front().off_mm)));
+    layers.other_mm.push_back(static_cast<float>(
+        station->alternatives.empty() ? k_nearest_other_mm : std::abs(station->alternatives.front().off_mm)));
   }
   layers.sharp = sharp_along(field, layers.line);
   for (const bool above : {true, false})

@@ -71,6 +71,11 @@ TEST(GuardLines, AHollowBelowAGuardThatIsMuchWeakerThanTheLineIsNotTheLine) {
   CHECK(worst_of({{3019, 154}}) == Judged::Right);
 }
 
+TEST(GuardLines, APlaceThatIsDoubtedIsFlaggedThoughNoOtherCreaseIsKnown) {
+  // It was wrong without a word over 41 mm: one in eight that the line is elsewhere, and a U95 of 0.05 mm.
+  CHECK(worst_of({{26112912, 18}}) != Judged::Wrong);
+}
+
 TEST(GuardLines, AGuardFarRoundTheToeIsNoChangeOfCrease) {
   // The guard goes on over more than 120 mm.
   CHECK(worst_of({{3023, 138}, {3023, 142}}) != Judged::Wrong);

@@ -46,4 +46,12 @@ TEST(HighHeels, ThatClimbByMoreThan45DegreesHaveTheirLineOrAreRefused) {
   CHECK(found_with_heel({1, 2, 3, 4}, 0.37) >= 2);
 }
 
+TEST(HighHeels, ThatLieBesideTheirShankAreFlaggedThere) {
+  // Its line was wrong without a word over 17 mm: the place was doubted, and its U95 did not say so.
+  SweepCell cell = sweep_cell(30113014, 188);
+  cell.shoe.heel_ratio = 0.4;
+  const SweepScan scan = scan_of(cell);
+  CHECK(judge(scan, bite_line::find_bite_line(scan.cloud, {})).judged != Judged::Wrong);
+}
+
 }  // namespace biteline::test
