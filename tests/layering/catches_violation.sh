@@ -4,7 +4,10 @@
 set -u
 tree=$(mktemp -d)
 trap 'rm -rf "$tree"' EXIT
-mkdir -p "$tree"/{common/core,hal/api,hal/board,firmware/app,host/bite_line,host/records/{digest,memory}}
+mkdir -p "$tree"/{common/{config,core,geometry,image,profile,rt,stripe,time},firmware/app,tests} \
+  "$tree"/hal/{api,board,linux,replay,sim,timing} \
+  "$tree"/host/{apps/{biteline-host,biteline-web},bite_line/published,calibration,cloud,fleet,geometry,intake,report,second_look,study,transfer} \
+  "$tree"/host/interfaces/{accounts,api,control,line_control} "$tree"/host/records/{archive,digest,memory,results} "$tree"/host/robot/{kinematics,link,path}
 echo '#include "common/core/result.hpp"' >"$tree/host/bite_line/good.cpp"
 echo '#include "host/records/digest/digest.hpp"' >"$tree/host/bite_line/allowed.cpp"
 "$1" "$tree" >/dev/null || { echo "red on a clean tree"; exit 1; }
@@ -20,4 +23,13 @@ for seed in 'common/core/a.hpp hal/api/frame.hpp' 'host/bite_line/b.cpp hal/api/
     exit 1
   fi
   rm "$tree/$2"
+done
+# Each folder that a rule names: gone, and the check says its name.
+for folder in hal/sim host/study host/interfaces/accounts host/robot/link host/records/results; do
+  mv "$tree/$folder" "$tree/gone"
+  if told=$("$1" "$tree") || ! grep -q "names $folder" <<<"$told"; then
+    echo "green although $folder does not exist"
+    exit 1
+  fi
+  mv "$tree/gone" "$tree/$folder"
 done

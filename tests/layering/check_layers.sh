@@ -4,13 +4,27 @@
 #   common <- hal <- firmware, common <- host; inside host the algorithms know neither intake, robot/link, interfaces, fleet nor apps,
 #   and of the records two tools alone: archive and digest;
 #   vendor headers stay out of hal/api and of common (but for common/config and common/image).
+# A rule that names a folder which does not exist is red, too: it would hold nothing.
 set -u
 root=$1
 bad=0
 
-# forbid FOLDER PATTERN WHY: no file below FOLDER includes what PATTERN (an extended regular expression) names.
+# exist PLACE...: each is there, below the root.
+exist() {
+  local place
+  for place in "$@"; do
+    [ -e "$root/$place" ] && continue
+    echo "layering: a rule names $place, which does not exist: name it in check_layers.sh as it is called now"
+    bad=1
+  done
+}
+
+# forbid FOLDERS PATTERN WHY: no file below FOLDERS includes what PATTERN (an extended regular expression) names.
+# A PATTERN that ends in / names folders of this tree: a(b|c)/ is ab/ and ac/.
 forbid() {
   local found
+  exist $1
+  case $2 in */) exist $(eval "echo $(tr '(|)' '{,}' <<<"$2")") ;; esac
   found=$(cd "$root" && grep -rnE --include='*.hpp' --include='*.cpp' "^[[:space:]]*#[[:space:]]*include [\"<]($2)" $1 2>/dev/null)
   if [ -n "$found" ]; then
     echo "layering: $3"
@@ -32,7 +46,7 @@ for algorithm in geometry cloud bite_line calibration transfer second_look study
   forbid "host/$algorithm" 'host/(intake|robot/link|interfaces|fleet|apps)/' 'algorithms know neither the network nor the programs'
   forbid "host/$algorithm" "host/records/($kept)/" 'algorithms know nothing that is kept: of the records archive and digest alone'
 done
-product=$(cd "$root" && ls -d host/cloud host/bite_line/* host/intake host/transfer host/records 2>/dev/null | grep -v '/published$')
+product="host/cloud host/intake host/transfer host/records $(cd "$root" && ls -d host/bite_line/* | grep -v '/published$')"
 forbid "$product" 'host/bite_line/published/' 'the product does not stand on the published method'
 forbid 'common firmware host hal/api hal/board hal/timing hal/replay hal/sim' '(gpiod\.h|linux/gpio\.h)' 'lines of GPIO chips are reached by hal/linux/gpiod alone'
 forbid hal/api '(linux|gpiod|arv|aravis|embree)' 'no vendor header in hal/api'
