@@ -1,9 +1,11 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# host_packages.sh BUILD: a cell's and a centre's programs as packages; installed in a bare Debian 12 folder, where they run as an
-# ordinary user, an upgrade keeps what was taught and settings that a person wrote, and a purge leaves the memory.
+# host_packages.sh BUILD: a cell's and a centre's programs, and the library, as packages; installed in a bare Debian 12 folder.
+# The programs run there as an ordinary user, an upgrade keeps what was taught and settings that a person wrote, and a purge leaves
+# the memory.  Two strangers' programs, one of C++ and one of Python, are made with the library's packages alone.
 set -euo pipefail
 build=$1
+tests=$(dirname "$(dirname "$(readlink -f "$0")")")
 skip() { echo "skipped: $1"; exit 77; }
 bad() { echo "$1"; exit 1; }
 [ "$(id -u)" -eq 0 ] || skip "a bare folder needs root"
@@ -18,10 +20,11 @@ finish() {
 }
 trap finish EXIT
 
-(cd "$build" && cpack -G DEB -B "$work/packages" -D CPACK_COMPONENTS_ALL="host;web;gige;uplink;fleet") >"$work/cpack.log" 2>&1 ||
+(cd "$build" && cpack -G DEB -B "$work/packages") >"$work/cpack.log" 2>&1 ||
   { tail -20 "$work/cpack.log"; exit 1; }
 host=$(echo "$work"/packages/biteline-host_*.deb) web=$(echo "$work"/packages/biteline-web_*.deb)
 gige=$(echo "$work"/packages/biteline-gige_*.deb)
+libraries=$(echo "$work"/packages/libbiteline*.deb "$work"/packages/python3-biteline_*.deb)
 uplink=$(echo "$work"/packages/biteline-uplink_*.deb) fleet=$(echo "$work"/packages/biteline-fleet_*.deb)
 # holds DEB FILE...: each is in it.
 holds() {
@@ -33,23 +36,29 @@ holds() {
 holds "$host" usr/bin/biteline usr/bin/biteline-host usr/share/biteline/processes/grind.yaml usr/share/biteline/web/viewer.js \
   usr/share/biteline/reader/biteline_scan.hpp usr/share/biteline/reader/biteline_scan.py usr/share/biteline/reader/read_live.cpp \
   usr/lib/systemd/system/biteline-host.service usr/lib/sysusers.d/biteline-host.conf usr/share/doc/biteline/LICENSE \
-  usr/share/doc/biteline/docs/pictures/section.svg usr/share/man/man1/biteline.1 usr/share/man/man1/biteline-host.1 \
+  usr/share/doc/biteline/docs/pictures/section.svg usr/share/man/man1/biteline.1.gz usr/share/man/man1/biteline-host.1.gz \
   usr/share/bash-completion/completions/biteline etc/biteline/host.env
-holds "$web" usr/bin/biteline-web usr/share/biteline/web/app.js usr/share/biteline/web/centre/index.html usr/share/biteline/openapi.yaml usr/share/man/man1/biteline-web.1 \
+holds "$web" usr/bin/biteline-web usr/share/biteline/web/app.js usr/share/biteline/web/centre/index.html usr/share/biteline/openapi.yaml usr/share/man/man1/biteline-web.1.gz \
   usr/lib/systemd/system/biteline-web.service etc/biteline/web.env
-holds "$gige" usr/bin/biteline-gige usr/share/man/man1/biteline-gige.1 usr/lib/systemd/system/biteline-gige.service \
+holds "$gige" usr/bin/biteline-gige usr/share/man/man1/biteline-gige.1.gz usr/lib/systemd/system/biteline-gige.service \
   usr/lib/sysusers.d/biteline-gige.conf etc/biteline/gige.env
-holds "$uplink" usr/bin/biteline-uplink usr/share/man/man1/biteline-uplink.1 usr/lib/systemd/system/biteline-uplink.service \
+holds "$uplink" usr/bin/biteline-uplink usr/share/man/man1/biteline-uplink.1.gz usr/lib/systemd/system/biteline-uplink.service \
   usr/lib/sysusers.d/biteline-uplink.conf etc/biteline/uplink.env
-holds "$fleet" usr/bin/biteline-fleet usr/share/man/man1/biteline-fleet.1 usr/lib/systemd/system/biteline-fleet.service \
+holds "$fleet" usr/bin/biteline-fleet usr/share/man/man1/biteline-fleet.1.gz usr/lib/systemd/system/biteline-fleet.service \
   usr/lib/sysusers.d/biteline-fleet.conf etc/biteline/fleet.env usr/share/biteline/migrations/0001_cells_and_shoes.sql \
   usr/share/biteline/migrations/0002_releases.sql usr/share/biteline/migrations/0003_switch_cells.sql usr/share/biteline/migrations/0004_fetches.sql \
   usr/share/biteline/migrations/0005_signed_switches.sql usr/share/biteline/migrations/0006_kept_recordings.sql usr/share/biteline/migrations/0007_refused_orders.sql \
   usr/share/biteline/migrations/0008_dead_letters.sql usr/share/biteline/migrations/0009_factory_day.sql usr/share/biteline/migrations/0010_shoe_numbers.sql \
   usr/share/biteline/broker/mosquitto.conf usr/share/biteline/broker/acl usr/share/biteline/prometheus/board.json usr/share/biteline/prometheus/prometheus.yml usr/share/biteline/prometheus/rules.yml \
   usr/share/doc/biteline-fleet/LICENSE
-for deb in "$host" "$web" "$gige" "$uplink" "$fleet"; do holds "$deb" usr/share/doc/biteline-[a-z]*/sbom.cdx.json; done
-twice=$(for deb in "$host" "$web" "$gige" "$uplink" "$fleet"; do dpkg-deb -c "$deb" | awk '!/\/$/ {print $6}'; done | sort | uniq -d)
+for deb in "$host" "$web" "$gige" "$uplink" "$fleet"; do holds "$deb" usr/share/doc/biteline-[a-z]*/{sbom.cdx.json,notices.gz}; done
+for deb in "$work"/packages/*.deb; do holds "$deb" usr/share/doc/[a-z0-9-]*/{copyright,changelog.gz}; done
+# Somebody else's code in the page comes with its licence.
+dpkg-deb --fsys-tarfile "$web" | tar -xO ./usr/share/doc/biteline-web/notices.gz | gzip -d >"$work/notices"
+for part in preact three uplot nlohmann-json3-dev; do
+  grep -q "^== $part [0-9]" "$work/notices" || bad "biteline-web has no notice of $part"
+done
+twice=$(for deb in "$work"/packages/*.deb; do dpkg-deb -c "$deb" | awk '!/\/$/ {print $6}'; done | sort | uniq -d)
 [ -z "$twice" ] || bad "in more than one package: $twice"
 ! dpkg-deb -f "$host" Depends | grep -q biteline || bad "biteline-host depends on itself"
 
@@ -60,6 +69,14 @@ cp "$host" "$web" "$gige" "$uplink" "$fleet" "$root/tmp/"
 in_root apt-get update -qq
 in_root sh -c 'apt-get install -y -qq --no-install-recommends /tmp/biteline-*.deb' >"$work/install.log" 2>&1 ||
   { tail -20 "$work/install.log"; exit 1; }
+
+# Two strangers, who have the library's packages and a compiler: both find the same line.
+cp $libraries "$tests"/library/stranger.{cpp,py} "$tests/golden/sample/cloud.ply" "$root/tmp/"
+in_root sh -c 'apt-get install -y -qq --no-install-recommends /tmp/libbiteline*.deb /tmp/python3-biteline_*.deb g++ pkg-config' \
+  >"$work/install.log" 2>&1 || { tail -20 "$work/install.log"; exit 1; }
+in_root sh -c 'cd /tmp && g++ -std=c++20 stranger.cpp -o stranger $(pkg-config --cflags --libs biteline)' || bad "a stranger's program is not built"
+compiled=$(in_root /tmp/stranger /tmp/cloud.ply) && scripted=$(in_root python3 /tmp/stranger.py /tmp/cloud.ply) || bad "a stranger's program fails"
+[[ $compiled =~ ^[0-9.]+\ [0-9.]+$ && $compiled == "$scripted" ]] || bad "two strangers found '$compiled' and '$scripted'"
 
 # An ordinary user, to whom the programs' folder is read-only.
 in_root useradd -m anna

@@ -2,34 +2,17 @@
 # What a cell's PC gets: biteline-host (service, tool, processes, documents), biteline-web (page and API), where other
 # software is to see the sensor biteline-gige, and in a factory biteline-uplink.  The factory's centre gets biteline-fleet.
 # Included by BitelinePackage.cmake.
-set(parts ${CMAKE_SOURCE_DIR}/toolchains/package)
-set(man ${CMAKE_BINARY_DIR}/man)
-file(MAKE_DIRECTORY ${man})
-
-# The manual pages are the programs' own words: made where the programs can run.
-set(pages)
-foreach(program "biteline;tool: recordings, lines, models, calibration" "biteline-host;service of a cell"
-    "biteline-web;page and API of a cell" "biteline-gige;a sensor as a GigE Vision device"
-    "biteline-uplink;a cell's line to the factory's centre" "biteline-fleet;centre of a factory's cells")
-  list(GET program 0 name)
-  list(GET program 1 what)
-  if(TARGET ${name} AND NOT CMAKE_CROSSCOMPILING)
-    add_custom_command(OUTPUT ${man}/${name}.1
-      COMMAND ${parts}/man_page.sh $<TARGET_FILE:${name}> ${PROJECT_VERSION} ${what} ${man}/${name}.1
-      DEPENDS ${name} ${parts}/man_page.sh
-      VERBATIM)
-    list(APPEND pages ${man}/${name}.1)
-  endif()
-endforeach()
-add_custom_target(biteline_man ALL DEPENDS ${pages})
-
-# biteline_daemon_package(COMPONENT): the unit, its settings, its user, its manual page, and the scripts of biteline-COMPONENT.
-function(biteline_daemon_package component)
+# biteline_daemon_package(COMPONENT WHAT [OVERRIDES]): the unit, its settings, its user, its papers, and the scripts of
+# biteline-COMPONENT.
+function(biteline_daemon_package component what)
   set(program biteline-${component})
   install(FILES host/apps/${program}/systemd/${program}.service DESTINATION lib/systemd/system COMPONENT ${component})
   install(FILES ${parts}/${component}.env DESTINATION /etc/biteline COMPONENT ${component})
   install(FILES ${parts}/biteline.sysusers DESTINATION lib/sysusers.d RENAME ${program}.conf COMPONENT ${component})
-  install(FILES ${man}/${program}.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT ${component} OPTIONAL)
+  if(TARGET ${program})
+    biteline_man_page(${component} ${program} $<TARGET_FILE:${program}> ${what})
+  endif()
+  biteline_package_papers(${component} ${program} ${ARGN})
   set(scripts)
   foreach(script postinst prerm conffiles)
     configure_file(${parts}/scripts/every/${script}.in ${CMAKE_BINARY_DIR}/package/${component}/${script} @ONLY)
@@ -40,10 +23,13 @@ function(biteline_daemon_package component)
   set(CPACK_DEBIAN_${upper}_PACKAGE_SECTION science PARENT_SCOPE)
   set(CPACK_DEBIAN_${upper}_PACKAGE_CONTROL_EXTRA ${scripts} PARENT_SCOPE)
 endfunction()
-foreach(component host web gige uplink fleet)
-  biteline_daemon_package(${component})
-  list(APPEND CPACK_COMPONENTS_ALL ${component})
-endforeach()
+biteline_daemon_package(host "service of a cell" biteline-host)
+biteline_daemon_package(web "page and API of a cell")
+biteline_daemon_package(gige "a sensor as a GigE Vision device")
+biteline_daemon_package(uplink "a cell's line to the factory's centre")
+biteline_daemon_package(fleet "centre of a factory's cells")
+biteline_man_page(host biteline $<TARGET_FILE:biteline> "tool: recordings, lines, models, calibration")
+list(APPEND CPACK_COMPONENTS_ALL host web gige uplink fleet)
 biteline_package_sbom(host PROGRAMS biteline biteline-host PAGES viewer)
 biteline_package_sbom(web PROGRAMS biteline-web PAGES app)
 foreach(component gige uplink fleet)
@@ -57,7 +43,6 @@ install(FILES ${parts}/completion.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash
 install(FILES README.md LICENSE CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/biteline COMPONENT host)
 install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/biteline COMPONENT host
   FILES_MATCHING PATTERN *.md PATTERN *.png PATTERN *.svg PATTERN site EXCLUDE)
-install(FILES ${man}/biteline.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT host OPTIONAL)
 install(TARGETS biteline-gige RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT gige)
 # The centre has none of the cell's documents but its own.
 install(FILES docs/fleet.md DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/biteline-fleet/docs COMPONENT fleet)

@@ -10,17 +10,14 @@ if(TARGET biteline_python)
   list(APPEND components python)
 endif()
 
-# Debian's changelog has a date: that of the last word in ours.
-file(TIMESTAMP ${CMAKE_SOURCE_DIR}/CHANGELOG.md stamp "%a, %d %b %Y %H:%M:%S +0000" UTC)
-configure_file(${CMAKE_SOURCE_DIR}/host/library/package/changelog.in ${CMAKE_BINARY_DIR}/package/library/changelog @ONLY)
-execute_process(COMMAND gzip -9nkf ${CMAKE_BINARY_DIR}/package/library/changelog COMMAND_ERROR_IS_FATAL ANY)
 foreach(component IN LISTS components)
   string(TOUPPER ${component} upper)
   set(CPACK_DEBIAN_${upper}_PACKAGE_NAME ${package_${component}})
-  install(FILES ${CMAKE_SOURCE_DIR}/host/library/package/copyright ${CMAKE_BINARY_DIR}/package/library/changelog.gz
-    DESTINATION share/doc/${package_${component}} COMPONENT ${component})
   list(APPEND CPACK_COMPONENTS_ALL ${component})
 endforeach()
+biteline_package_papers(library ${package_library} libbiteline)
+biteline_package_papers(dev ${package_dev})
+biteline_package_papers(python ${package_python})
 biteline_package_sbom(library PACKAGE ${package_library} FILES lib/libbiteline.so.${PROJECT_VERSION})
 
 # A program that is linked against this library depends on this version: before 1.0 each may break the one before.

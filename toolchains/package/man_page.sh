@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# man_page.sh PROGRAM VERSION "WHAT IT IS" FILE: a manual page of the program's own help.
+# man_page.sh PROGRAM VERSION "WHAT IT IS" NAME.1.gz: the manual page NAME of the program's own help.
 set -euo pipefail
 program=$1 version=$2 what=$3 file=$4
-name=$(basename "$program")
+name=$(basename "$file" .1.gz)
 # escape: as roff takes words literally.
 escape() { sed -e 's/\\/\\e/g' -e 's/-/\\-/g' -e "s/^\([.']\)/\\\\\&\1/"; }
 {
@@ -20,5 +20,5 @@ escape() { sed -e 's/\\/\\e/g' -e 's/-/\\-/g' -e "s/^\([.']\)/\\\\\&\1/"; }
     printf '.fi\n'
   done
   printf '.SH SEE ALSO\nThe documents in /usr/share/doc/biteline.\n'
-} >"$file.part"
+} | gzip -9n >"$file.part"
 mv "$file.part" "$file"

@@ -7,10 +7,12 @@
                          archives, by their packages; not where a shared library of the same source is linked
   the page               what esbuild took from node_modules (its metafile), by the page's package-lock.json
 
+The notices are the licences' own words: of each library that is compiled in, and of each part of the page.
 The same inputs give the same bytes.
 """
 import argparse
 import base64
+import gzip
 import json
 import pathlib
 import re
@@ -200,6 +202,25 @@ def npm_components(metafile, lock_file):
     return components
 
 
+def notices(components, page_folder):
+    """What must go with the package's own files: the licence texts of what is inside of them.
+
+    A shared library comes as a package of its own, with its own."""
+    texts = []
+    for component in components:
+        use = component["properties"][0]["value"]
+        if use == "shared":
+            continue
+        if use == "page":
+            files = sorted((page_folder / "node_modules" / component["name"]).glob("LICEN[CS]E*"))
+        else:
+            files = [pathlib.Path("/usr/share/doc") / component["name"] / "copyright"]
+        if not files or not files[0].is_file():
+            raise Unknown(f"{component['name']}: no licence text where its package keeps it; reinstall the package")
+        texts.append(f"== {component['name']} {component['version']}\n\n{files[0].read_text(encoding='utf-8', errors='replace').strip()}\n")
+    return "\n".join(["This package's own licence stands in the file copyright. Parts of others are inside of its files:\n", *texts])
+
+
 def bill(name, version, components):
     reference = f"pkg:deb/biteline/{name}@{version}"
     text = {
@@ -233,6 +254,7 @@ def main():
     parser.add_argument("--page", action="append", default=[], type=pathlib.Path, help="esbuild's metafile of a bundle")
     parser.add_argument("--lock", type=pathlib.Path, help="package-lock.json of the page")
     parser.add_argument("--out", required=True, type=pathlib.Path)
+    parser.add_argument("--notices", type=pathlib.Path, help="licence texts of what is inside, packed by gzip")
     options = parser.parse_args()
     try:
         components = debian_components(options.build.resolve(), [program.resolve() for program in options.program])
@@ -240,11 +262,14 @@ def main():
         for page in options.page:
             pages.update((component["bom-ref"], component) for component in npm_components(page, options.lock))
         components += [pages[reference] for reference in sorted(pages)]
+        texts = notices(components, options.lock.parent if options.lock else None) if options.notices else None
     except Unknown as unknown:
         print(f"sbom.py: {unknown}", file=sys.stderr)
         return 2
     options.out.parent.mkdir(parents=True, exist_ok=True)
     options.out.write_text(json.dumps(bill(options.name, options.version, components), indent=2) + "\n", encoding="utf-8")
+    if texts is not None:
+        options.notices.write_bytes(gzip.compress(texts.encode(), mtime=0))
     return 0
 
 
