@@ -261,6 +261,13 @@ Result<void> Centre::note_health(const std::string& cell, const HealthMessage& h
         "book = CASE WHEN $2 THEN $4 ELSE cells.book END, "
         "waiting = CASE WHEN $2 THEN $5 ELSE cells.waiting END",
         cell, health.online, text_of(health.version), text_of(health.book), health.waiting);
+    // An index finds it where it was told before, every few seconds.
+    if (health.log.row > 0)
+      work.exec_params0(
+          "INSERT INTO log_links (cell, book, log_row, link) SELECT $1, $2, $3, $4 WHERE NOT EXISTS (SELECT "
+          "1 "
+          "FROM log_links WHERE cell = $1 AND book = $2 AND log_row = $3 AND link = $4)",
+          cell, text_of(health.book), health.log.row, text_of(health.log.link));
     work.commit();
     return true;
   });
@@ -298,6 +305,21 @@ Result<std::vector<CellRow>> Centre::cells() {
       rows.push_back(std::move(cell));
     }
     return rows;
+  });
+}
+
+Result<std::vector<ToldLink>> Centre::log_links(const std::string& cell) {
+  return work<std::vector<ToldLink>>([&](State& state) {
+    pqxx::work work{state.connection};
+    std::vector<ToldLink> links;
+    for (const pqxx::row& row : work.exec_params(
+             "SELECT log_row, link, book, (extract(epoch FROM told) * 1000)::bigint FROM (SELECT * FROM "
+             "log_links WHERE cell = $1 ORDER BY id DESC LIMIT 50000) AS newest ORDER BY id",
+             text_of(cell)))
+      links.push_back({.link = {.row = row[0].as<std::int64_t>(), .link = row[1].as<std::string>()},
+                       .book = row[2].as<std::string>(),
+                       .told_ms = row[3].as<std::int64_t>()});
+    return links;
   });
 }
 

@@ -30,6 +30,12 @@ struct FromCell {
   std::string cell;
   ShoeMessage shoe;
 };
+/// A link of a cell's log, and when the cell told it.
+struct ToldLink {
+  memory::LogLink link;
+  std::string book;  ///< of the cell's memory
+  std::int64_t told_ms{0};
+};
 struct CommittedOf {
   std::string cell;
   CommittedMessage to;
@@ -54,6 +60,8 @@ class Centre {
   [[nodiscard]] Result<CommittedMessage> committed(const std::string& cell, const std::string& book);
   [[nodiscard]] Result<void> note_health(const std::string& cell, const HealthMessage& health);
   [[nodiscard]] Result<std::vector<CellRow>> cells();
+  /// What a cell's log is compared with, oldest first; the newest 50 000.
+  [[nodiscard]] Result<std::vector<ToldLink>> log_links(const std::string& cell);
   /// Models with distances, by name.
   [[nodiscard]] Result<std::vector<std::string>> models();
   /// The newest `most` shoes of each cell that have distances to this model's line, each cell's oldest first.

@@ -261,10 +261,15 @@ Result<ShoeMessage> read_shoe(std::string_view text) {
 }
 
 std::string to_text(const HealthMessage& health) {
-  return dump({{"online", health.online},
-               {"version", health.version},
-               {"book", health.book},
-               {"waiting", health.waiting}});
+  Json json{{"online", health.online},
+            {"version", health.version},
+            {"book", health.book},
+            {"waiting", health.waiting}};
+  if (health.log.row > 0) {
+    json["log_row"] = health.log.row;
+    json["log_link"] = health.log.link;
+  }
+  return dump(json);
 }
 
 Result<HealthMessage> read_health(std::string_view text) {
@@ -272,7 +277,13 @@ Result<HealthMessage> read_health(std::string_view text) {
   HealthMessage health{.online = reader.truth("online"),
                        .version = reader.text("version", bounds::k_name),
                        .book = reader.text("book", bounds::k_name),
-                       .waiting = reader.whole("waiting")};
+                       .waiting = reader.whole("waiting"),
+                       .log = {}};
+  // Cells of before this, and those whose log is empty, say neither.
+  if (reader.find("log_row") != nullptr) {
+    health.log = {.row = reader.whole("log_row"), .link = reader.text("log_link", bounds::k_name)};
+    if (health.log.row < 1 || !memory::is_log_link(health.log.link)) reader.fault("log_link");
+  }
   BITELINE_TRY(reader.finish());
   return health;
 }

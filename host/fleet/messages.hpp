@@ -56,6 +56,8 @@ struct HealthMessage {
   std::string version;
   std::string book;
   std::int64_t waiting{0};  ///< shoes that the centre has not committed
+  /// Newest of the cell's log, which the centre keeps: so a cut end is found.  Row 0: none is known.
+  memory::LogLink log{};
 };
 [[nodiscard]] std::string to_text(const HealthMessage& health);
 [[nodiscard]] Result<HealthMessage> read_health(std::string_view text);

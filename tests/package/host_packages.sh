@@ -48,7 +48,7 @@ holds "$fleet" usr/bin/biteline-fleet usr/share/man/man1/biteline-fleet.1.gz usr
   usr/lib/sysusers.d/biteline-fleet.conf etc/biteline/fleet.env usr/share/biteline/migrations/0001_cells_and_shoes.sql \
   usr/share/biteline/migrations/0002_releases.sql usr/share/biteline/migrations/0003_switch_cells.sql usr/share/biteline/migrations/0004_fetches.sql \
   usr/share/biteline/migrations/0005_signed_switches.sql usr/share/biteline/migrations/0006_kept_recordings.sql usr/share/biteline/migrations/0007_refused_orders.sql \
-  usr/share/biteline/migrations/0008_dead_letters.sql usr/share/biteline/migrations/0009_factory_day.sql usr/share/biteline/migrations/0010_shoe_numbers.sql \
+  usr/share/biteline/migrations/0008_dead_letters.sql usr/share/biteline/migrations/0009_factory_day.sql usr/share/biteline/migrations/0010_shoe_numbers.sql usr/share/biteline/migrations/0012_log_links.sql \
   usr/share/biteline/broker/mosquitto.conf usr/share/biteline/broker/acl usr/share/biteline/prometheus/board.json usr/share/biteline/prometheus/prometheus.yml usr/share/biteline/prometheus/rules.yml \
   usr/share/doc/biteline-fleet/LICENSE
 for deb in "$host" "$web" "$gige" "$uplink" "$fleet"; do holds "$deb" usr/share/doc/biteline-[a-z]*/{sbom.cdx.json,notices.gz}; done

@@ -29,6 +29,7 @@ Result<ExitStatus> carry_out(const FleetOptions& options) {
   }
   BITELINE_ASSIGN(Centre centre, Centre::open(options.database, options.migrations));
   if (options.odd) return tell_odd_cells(centre, options.json);
+  if (!options.log_links.empty()) return tell_log_links(centre, options.log_links);
   if (options.list) return tell_cells(centre, options.json);
   if (options.fetches.any()) return carry_out(options.fetches, centre, options.json);
   return carry_out(options.releases, centre, options.json);

@@ -60,6 +60,10 @@ ParsedFleetOptions parse_fleet_options(int argc, char** argv) {
       "--odd", options.odd,
       "Name each cell whose lines of a model differ from the other cells', and leave; exit status 3 where "
       "there is one");
+  app.add_option("--log-links", options.log_links,
+                 "Print the links of this cell's log that were told, for biteline history --verify-log "
+                 "--kept-links, and leave")
+      ->type_name("CELL");
   add_release_options(app, options.releases);
   auto* recordings =
       app.add_option("--recordings", options.recordings,

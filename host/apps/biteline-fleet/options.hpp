@@ -22,6 +22,7 @@ struct FleetOptions {
   std::filesystem::path migrations;
   bool list{false};
   bool odd{false};
+  std::string log_links;  ///< of this cell; empty: not asked
   ReleaseOrders releases;
   RecordingOrders fetches;
   std::filesystem::path recordings;
@@ -37,7 +38,9 @@ struct FleetOptions {
   bool exit_with_parent{false};
 
   /// The centre itself, and no word beside it.
-  [[nodiscard]] bool runs() const { return !odd && !list && !releases.any() && !fetches.any(); }
+  [[nodiscard]] bool runs() const {
+    return !odd && !list && log_links.empty() && !releases.any() && !fetches.any();
+  }
 };
 
 struct ParsedFleetOptions {

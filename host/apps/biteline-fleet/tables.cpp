@@ -67,4 +67,15 @@ Result<ExitStatus> tell_odd_cells(Centre& centre, bool as_json) {
   return none ? ExitStatus::Done : ExitStatus::Refused;
 }
 
+Result<ExitStatus> tell_log_links(Centre& centre, const std::string& cell) {
+  BITELINE_ASSIGN(const std::vector<ToldLink> links, centre.log_links(cell));
+  if (links.empty())
+    return fail(Errc::FileNotFound, "%.64s: no link of its log was told; --list names the cells",
+                cell.c_str());
+  for (const ToldLink& told : links)
+    std::printf("%lld %s %s %s\n", static_cast<long long>(told.link.row), told.link.link.c_str(),
+                memory::to_iso(told.told_ms).c_str(), told.book.c_str());
+  return ExitStatus::Done;
+}
+
 }  // namespace biteline::fleet

@@ -255,11 +255,14 @@ class Cell {
     memory_.say("");
     uplink_.use_book(part->book);
     seen_.waiting = part->waiting;
-    broker_->publish(
-        fleet::health_topic(options_.cell),
-        fleet::to_text(fleet::HealthMessage{
-            .online = true, .version = BITELINE_VERSION, .book = part->book, .waiting = part->waiting}),
-        Delivery::Kept);
+    fleet::HealthMessage health{
+        .online = true, .version = BITELINE_VERSION, .book = part->book, .waiting = part->waiting, .log = {}};
+    if (const Result<memory::LogLink> link = outbox_->last_log_link(); link) {
+      health.log = *link;
+    } else {
+      memory_.say(to_line(link.error()));
+    }
+    broker_->publish(fleet::health_topic(options_.cell), fleet::to_text(health), Delivery::Kept);
   }
 
   void send(Clock::time_point now) {

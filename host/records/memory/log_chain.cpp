@@ -5,6 +5,7 @@
 #include <array>
 #include <cinttypes>
 #include <fstream>
+#include <map>
 #include <mutex>
 #include <optional>
 #include <sstream>
@@ -22,10 +23,6 @@ constexpr std::size_t k_link_digits = 64;
 /// Far more links than anybody keeps.
 constexpr std::size_t k_most_links = 100'000;
 
-bool is_link(const std::string& text) {
-  return text.size() == k_link_digits && text.find_first_not_of("0123456789abcdef") == std::string::npos;
-}
-
 std::string name_of(const LogRow& row) {
   return FixedText<160>::format("row %" PRId64 " (%.60s, %s)", row.id, row.action.c_str(),
                                 to_iso(row.time).c_str())
@@ -35,7 +32,9 @@ std::string name_of(const LogRow& row) {
 /// Goes through the rows in their order.
 class Chain {
  public:
-  explicit Chain(std::span<const LogLink> kept) : kept_{kept.begin(), kept.end()} {}
+  explicit Chain(std::span<const LogLink> kept) {
+    for (const LogLink& link : kept) kept_.emplace(link.row, link.link);
+  }
 
   void take(const LogRow& row, const std::string& link) {
     ++verdict_.rows;
@@ -57,9 +56,9 @@ class Chain {
            FixedText<120>::format("rows %" PRId64 " to %" PRId64 " are missing at the end", last_row_ + 1,
                                   written)
                .c_str());
-    for (const LogLink& link : kept_)
-      tell(LogRefused::Cut, link.row,
-           FixedText<120>::format("row %" PRId64 ", whose link was kept, is missing", link.row).c_str());
+    for (const auto& [row, link] : kept_)
+      tell(LogRefused::Cut, row,
+           FixedText<120>::format("row %" PRId64 ", whose link was kept, is missing", row).c_str());
     return std::move(verdict_);
   }
 
@@ -83,10 +82,10 @@ class Chain {
   }
 
   void compare_with_kept(const LogRow& row, const std::string& link) {
-    const auto at = std::ranges::find(kept_, row.id, &LogLink::row);
-    if (at == kept_.end()) return;
-    if (at->link != link) tell(LogRefused::Cut, row.id, name_of(row) + ": another link was kept of it");
-    kept_.erase(at);
+    const auto [begin, end] = kept_.equal_range(row.id);
+    if (std::any_of(begin, end, [&](const auto& kept) { return kept.second != link; }))
+      tell(LogRefused::Cut, row.id, name_of(row) + ": another link was kept of it");
+    kept_.erase(begin, end);
   }
 
   void tell(LogRefused code, std::int64_t row, std::string what) {
@@ -96,7 +95,7 @@ class Chain {
       ++verdict_.more_faults;
   }
 
-  std::vector<LogLink> kept_;  ///< that were not met yet
+  std::multimap<std::int64_t, std::string> kept_;  ///< by row; that were not met yet
   LogVerdict verdict_;
   std::string before_;
   std::int64_t last_row_{0};
@@ -151,6 +150,10 @@ std::span<const report::RefusalRow<LogRefused>> refusal_table(LogRefused) {
   return k_rows;
 }
 
+bool is_log_link(std::string_view text) {
+  return text.size() == k_link_digits && text.find_first_not_of("0123456789abcdef") == std::string_view::npos;
+}
+
 std::string link_of(const std::string& before, const LogRow& row) {
   Digest digest;
   digest.add_text(before).add_text(std::to_string(row.id)).add_text(std::to_string(row.time));
@@ -203,7 +206,7 @@ Result<std::vector<LogLink>> read_kept_links(const std::filesystem::path& file) 
     ++number;
     std::istringstream words(line);
     LogLink link;
-    if (!(words >> link.row >> link.link) || link.row < 1 || !is_link(link.link) ||
+    if (!(words >> link.row >> link.link) || link.row < 1 || !is_log_link(link.link) ||
         links.size() == k_most_links)
       return fail(Errc::BadFormat, "%.200s line %d: ROW LINK TIME of biteline history --verify-log expected",
                   file.c_str(), number);

@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/core/result.hpp"
@@ -27,6 +28,9 @@ struct LogLink {
 
   friend bool operator==(const LogLink&, const LogLink&) = default;
 };
+
+/// 64 hex digits.
+[[nodiscard]] bool is_log_link(std::string_view text);
 
 /// Of a row that stands behind `before` (empty: the first of all).  Its own id counts.
 [[nodiscard]] std::string link_of(const std::string& before, const LogRow& row);
@@ -53,7 +57,8 @@ struct LogVerdict {
   static constexpr std::size_t k_most_told = 100;
 };
 
-/// Links that were kept elsewhere: a line each, `ROW LINK TIME`.  No file: none.  Fails for another line.
+/// Links that were kept elsewhere: a line each, `ROW LINK`, and what else stands there (a time, a book)
+/// is for people.  No file: none.  Fails for another line.
 [[nodiscard]] Result<std::vector<LogLink>> read_kept_links(const std::filesystem::path& file);
 /// Adds the verdict's last link unless it stands there.  Beside and renamed.
 [[nodiscard]] Result<void> keep_link(const std::filesystem::path& file, const LogLink& link);

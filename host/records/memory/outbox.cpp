@@ -62,4 +62,14 @@ Result<OutboxPart> Outbox::last() {
   return after(newest - 1, 1);
 }
 
+Result<LogLink> Outbox::last_log_link() {
+  BITELINE_ASSIGN(
+      Statement newest,
+      database_.prepare(
+          "SELECT id, link FROM log WHERE link IS NOT NULL AND link <> '' ORDER BY id DESC LIMIT 1"));
+  BITELINE_ASSIGN(const bool found, newest.step());
+  if (!found) return LogLink{};
+  return LogLink{.row = newest.integer(0), .link = newest.text(1)};
+}
+
 }  // namespace biteline::memory

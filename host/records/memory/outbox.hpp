@@ -31,6 +31,8 @@ class Outbox {
   [[nodiscard]] Result<OutboxPart> after(std::int64_t seq, int limit);
   /// The newest row alone, or none.
   [[nodiscard]] Result<OutboxPart> last();
+  /// Of the newest row of the log, for the centre to keep; row 0: there is none with a link.
+  [[nodiscard]] Result<LogLink> last_log_link();
 
  private:
   Outbox(Memory memory, Database database) : memory_{std::move(memory)}, database_{std::move(database)} {}

@@ -8,7 +8,9 @@ Each program is killed in turn and all at once; one cell is cut off for an hour 
 shoes, none double, in each cell's order.
 """
 import json
+import pathlib
 import socket
+import sqlite3
 import ssl
 import struct
 import subprocess
@@ -57,6 +59,42 @@ def real_service_loses_nothing(factory, real):
     rows = lambda: factory.sql(f"SELECT scan, verdict, reason_code FROM shoes WHERE cell = '{REAL_CELL}' ORDER BY id")
     comes_true(lambda: rows() == remembered, f"{remembered} at the centre, not {rows()}")
     print(f"{len(remembered)} scans of a real service that was killed {real.killed} times:", ", ".join(verdict for _, verdict, _ in remembered))
+
+
+def cut_log_is_found(factory, real):
+    """The end of the cell's log is cut, and the count set back: the file alone fits, what the centre kept does not."""
+    tool = pathlib.Path(real.host).parent / "biteline"
+
+    def verify(folder, *more):
+        return subprocess.run([tool, "history", folder, "--verify-log", "--json", *more], capture_output=True, text=True, check=False)
+
+    def newest():
+        return json.loads(verify(real.out).stdout)["log"]["last_link"]
+
+    kept = factory.folder / "cell.links"
+
+    def is_told():
+        told = subprocess.run([factory.fleet, "--database", factory.database(), "--log-links", REAL_CELL], capture_output=True, text=True, check=False)
+        kept.write_text(told.stdout)
+        return [told.stdout.split()[-4:-2]] == [[str(newest()["row"]), newest()["sha256"]]]
+
+    comes_true(is_told, "the centre keeps the newest link of the real cell's log")
+    whole = verify(real.out, "--kept-links", kept)
+    assert whole.returncode == 0, whole.stdout + whole.stderr
+    cut = factory.folder / "cut"
+    cut.mkdir()
+    with sqlite3.connect(f"file:{real.out}/memory.sqlite?mode=ro", uri=True) as source, sqlite3.connect(cut / "memory.sqlite") as file:
+        source.backup(file)
+        for (name,) in file.execute("SELECT name FROM sqlite_master WHERE type = 'trigger' AND tbl_name = 'log'").fetchall():
+            file.execute(f"DROP TRIGGER {name}")
+        file.execute("DELETE FROM log WHERE id = (SELECT max(id) FROM log)")
+        file.execute("UPDATE sqlite_sequence SET seq = (SELECT max(id) FROM log) WHERE name = 'log'")
+    alone = verify(cut)
+    assert alone.returncode == 0, alone.stdout + alone.stderr
+    found = verify(cut, "--kept-links", kept)
+    assert found.returncode == 3 and json.loads(found.stdout)["log"]["faults"][0]["reason_code"] == "log_cut", found.stdout + found.stderr
+    strange = subprocess.run([factory.fleet, "--database", factory.database(), "--log-links", "cell-77"], capture_output=True, text=True, check=False)
+    assert strange.returncode == 2 and "cell-77" in strange.stderr, strange
 
 
 def one_is_cut_off_for_an_hour(factory):
@@ -212,6 +250,7 @@ def main():
         real = RealCell(factory.folder / REAL_CELL, *sys.argv[5:8])
         each_is_killed_in_turn(factory, real)
         real_service_loses_nothing(factory, real)
+        cut_log_is_found(factory, real)
         one_is_cut_off_for_an_hour(factory)
         rows_are_the_shoes(factory)
         view_counts_by_the_factorys_day(factory)

@@ -223,7 +223,18 @@ TEST(FleetMessages, HealthAndCommittedComeThrough) {
   SUCCEEDS(health);
   CHECK(health->online);
   LONGS_EQUAL(7, health->waiting);
+  LONGS_EQUAL(0, health->log.row);
   SUCCEEDS(read_health(to_text(HealthMessage{})));
+  const memory::LogLink link{.row = 12, .link = std::string(64, 'a')};
+  const auto told =
+      read_health(to_text(HealthMessage{.online = true, .version = "1.2", .book = "b", .log = link}));
+  SUCCEEDS(told);
+  CHECK(told->log == link);
+  for (const char* wrong : {"short", "", "\u0000"})
+    CHECK_TEXT(
+        !read_health(R"({"online":true,"version":"1","book":"b","waiting":0,"log_row":3,"log_link":")" +
+                     std::string{wrong} + "\"}"),
+        wrong);
   CHECK(!read_health("{}"));
   const auto committed = read_committed(to_text(CommittedMessage{.book = "b", .seq = 12}));
   SUCCEEDS(committed);

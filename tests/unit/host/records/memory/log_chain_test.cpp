@@ -220,6 +220,17 @@ TEST(LogChain, LinksOfARowAreLostWithTheChain) {
   CHECK((rows_of(verdict()) == Rows{4, 5}));
 }
 
+TEST(LogChain, EveryKeptLinkOfARowCounts) {
+  write(10);
+  const LogLink last = verdict().last;
+  const LogLink other{.row = last.row, .link = std::string(64, '0')};
+  LONGS_EQUAL(0, verdict({last, last}).faults.size());
+  for (const auto& kept : {std::vector{last, other}, std::vector{other, last}}) {
+    CHECK(rows_of(verdict(kept)) == Rows{10});
+    STRCMP_CONTAINS("another link was kept", verdict(kept).faults.at(0).what.c_str());
+  }
+}
+
 TEST(LogChain, KeptLinksAreAFileOfLines) {
   write(4);
   const std::filesystem::path links = folder.path() / "links.txt";
