@@ -5,9 +5,11 @@
 files, lines: C++ and TypeScript, blank lines and comments left out.  numbers: literals in C++ and TypeScript that are not
 0, 1 or 2 (written in any way), outside of comments and texts.  upwards: includes of a host algorithm that name intake,
 the arm's link, interfaces, records, fleet or programs.  programs, libraries: what the CMake lists add by name, tests
-and benches among the programs.  Nothing is built."""
+and benches among the programs.  repeated pairs: pairs of C++ or TypeScript files that have RUN code lines in a row in common, told by
+whole lines without indentation; includes, and lines of a bracket alone, do not count.  Nothing is built."""
 
 import collections
+import itertools
 import re
 import subprocess
 import sys
@@ -21,6 +23,8 @@ ABOVE = re.compile(
 COMMENT_OR_TEXT = re.compile(r"//[^\n]*|/\*.*?\*/|\"(?:\\.|[^\"\\\n])*\"|'(?:\\.|[^'\\\n])'", re.DOTALL)
 NUMBER = re.compile(
     r"(?<![\w.])(?:0[xX][0-9a-fA-F']+|(?:\d[\d']*\.?[\d']*|\.\d+)(?:[eE][+-]?\d+)?)[a-zA-Z]*\b")
+RUN = 6
+NO_CODE_OF_ITS_OWN = re.compile(r"^(?:#.*|import .*|[\s{}()\[\];,]*)$")
 ADDS_PROGRAM = re.compile(r"^\s*biteline_add_(?:program|test|bench)\(", re.MULTILINE)
 ADDS_LIBRARY = re.compile(r"^\s*biteline_add_library\(", re.MULTILINE)
 
@@ -57,6 +61,12 @@ def is_trivial(literal):
         return False
 
 
+def runs_of(code):
+    """Each run of RUN lines, as a hash."""
+    lines = [line for line in (line.strip() for line in code.splitlines()) if not NO_CODE_OF_ITS_OWN.match(line)]
+    return {hash(tuple(lines[at:at + RUN])) for at in range(len(lines) - RUN + 1)}
+
+
 def room_of(path):
     parts = path.split("/")
     return "/".join(parts[:2]) if parts[0] in ("host", "hal", "tests") and len(parts) > 2 else parts[0]
@@ -65,17 +75,23 @@ def room_of(path):
 def measure(revision):
     """Counter of each room, and one of the whole tree."""
     rooms, whole = collections.defaultdict(collections.Counter), collections.Counter()
+    places = collections.defaultdict(set)
     for path, text in files_of(revision):
         if path.endswith("CMakeLists.txt"):
             whole.update(programs=len(ADDS_PROGRAM.findall(text)), libraries=len(ADDS_LIBRARY.findall(text)))
             continue
         code = bare(text)
+        for run in runs_of(COMMENT_OR_TEXT.sub(lambda match: "" if match.group().startswith("/") else match.group(), text)):
+            places[run].add(path)
         counts = collections.Counter(
             files=1, lines=sum(1 for line in code.splitlines() if line.strip()),
             numbers=sum(1 for literal in NUMBER.findall(code) if not is_trivial(literal)),
             upwards=len(ABOVE.findall(text)) if ALGORITHMS.match(path) else 0)
         rooms[room_of(path)].update(counts)
         whole.update(counts)
+    pairs = {pair for paths in places.values() if len(paths) > 1 for pair in itertools.combinations(sorted(paths), 2)}
+    whole["repeated pairs"] = len(pairs)
+    whole["repeated pairs without tests"] = sum(1 for pair in pairs if not any(path.startswith("tests/") for path in pair))
     return rooms, whole
 
 
@@ -88,7 +104,7 @@ def main(revisions):
     for room in sorted({room for rooms, _ in measured for room in rooms}):
         print(f"| {room} | " + " | ".join(str(rooms[room][column]) for column in columns for rooms, _ in measured) + " |")
     print("\n| whole tree | " + " | ".join(names) + " |\n| --- |" + " ---: |" * len(names))
-    for column in columns + ("programs", "libraries"):
+    for column in columns + ("programs", "libraries", "repeated pairs", "repeated pairs without tests"):
         print(f"| {column} | " + " | ".join(str(whole[column]) for _, whole in measured) + " |")
 
 
