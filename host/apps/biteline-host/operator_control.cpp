@@ -85,27 +85,27 @@ Result<std::string> OperatorControl::make_line_token() const {
 Result<void> OperatorControl::listen() {
   BITELINE_ASSIGN(std::string line_token, make_line_token());
   BITELINE_TRY(accounts::offer_first_account(accounts_, config_.results));
-  const api::Stock own = stock_of(std::nullopt, config_.stock);
-  api_ =
-      std::make_unique<api::Api>(api::Rooms{.memory = memory_,
-                                            .accounts = accounts_,
-                                            .cell = *this,
-                                            .results = config_.results,
-                                            .processes = own.processes,
-                                            .models = own.models,
-                                            .exchange = api::Exchange{config_.results / ".exchange"},
-                                            .version = BITELINE_VERSION,
-                                            .publish =
-                                                [this](const std::string& name, Json data) {
-                                                  if (server_) server_->publish(name, std::move(data));
-                                                },
-                                            .last_seq = [this] { return server_ ? server_->last_seq() : 0; },
-                                            .stock = [folders = config_.stock] { return stock_now(folders); },
-                                            .line_token = std::move(line_token),
-                                            .day = config_.day});
+  const api::Catalogue own = catalogue_of(std::nullopt, config_.catalogue);
+  api_ = std::make_unique<api::Api>(
+      api::Rooms{.memory = memory_,
+                 .accounts = accounts_,
+                 .cell = *this,
+                 .results = config_.results,
+                 .processes = own.processes,
+                 .models = own.models,
+                 .exchange = api::Exchange{config_.results / ".exchange"},
+                 .version = BITELINE_VERSION,
+                 .publish =
+                     [this](const std::string& name, Json data) {
+                       if (server_) server_->publish(name, std::move(data));
+                     },
+                 .last_seq = [this] { return server_ ? server_->last_seq() : 0; },
+                 .catalogue = [folders = config_.catalogue] { return catalogue_now(folders); },
+                 .line_token = std::move(line_token),
+                 .day = config_.day});
   reruns_ = std::make_unique<RerunWorker>(
       RerunRoom{.results = config_.results,
-                .stock = config_.stock,
+                .catalogue = config_.catalogue,
                 .arm = config_.rerun_arm,
                 .mounted = [this](const std::string& tool) -> Result<path::Mounted> {
                   BITELINE_ASSIGN(const mounted::Record record, mounted::read_record(memory_));

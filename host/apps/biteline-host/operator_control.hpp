@@ -26,7 +26,7 @@ namespace biteline::service {
 
 struct OperatorControlConfig {
   std::filesystem::path results;
-  StockFolders stock;
+  CatalogueFolders catalogue;
   std::string sensor;                              ///< tcp://HOST:PORT
   std::string arm;                                 ///< UR5e, ...; empty: none
   std::string controller;                          ///< HOST:PORT; empty: none

@@ -39,9 +39,9 @@ nlohmann::ordered_json told_order(const api::RerunOrder& order) {
           {"settings", nlohmann::ordered_json(api::settings_json(order))}};
 }
 
-Result<Line> carry(const api::Stock& stock, const api::RerunOrder& order, const cloud::PointCloud& cloud,
-                   const fs::path& folder, report::Report& report) {
-  BITELINE_ASSIGN(const transfer::SampleFiles sample, stock.models.load(order.model));
+Result<Line> carry(const api::Catalogue& catalogue, const api::RerunOrder& order,
+                   const cloud::PointCloud& cloud, const fs::path& folder, report::Report& report) {
+  BITELINE_ASSIGN(const transfer::SampleFiles sample, catalogue.models.load(order.model));
   transfer::TransferOptions options;
   options.align.mirror = order.mirror;
   options.align.grade = order.grade;
@@ -95,12 +95,13 @@ Result<Line> take_line(const fs::path& scan, const cloud::PointCloud& cloud, con
 }
 
 /// The order's, else the model's own, else the service's.
-Result<path::Process> process_of(const RerunArm& arm, const api::Stock& stock, const api::RerunOrder& order) {
+Result<path::Process> process_of(const RerunArm& arm, const api::Catalogue& catalogue,
+                                 const api::RerunOrder& order) {
   if (!order.process.empty()) {
-    BITELINE_ASSIGN(const api::StoredProcess stored, stock.processes.find(order.process));
+    BITELINE_ASSIGN(const api::StoredProcess stored, catalogue.processes.find(order.process));
     return path::read_process(stored.file);
   }
-  const fs::path own = stock.models.path_of(order.model) / transfer::k_process_file;
+  const fs::path own = catalogue.models.path_of(order.model) / transfer::k_process_file;
   std::error_code error;
   if (!order.model.empty() && fs::exists(own, error)) return path::read_process(own);
   return arm.process;
@@ -153,15 +154,15 @@ Result<void> work_again(const RerunRoom& room, const api::RerunOrder& order, int
   report.fields["input"] = order.scan;
   report.fields["rerun"] = told_order(order);
   std::optional<path::Process> process;
-  BITELINE_ASSIGN(const api::Stock stock, stock_now(room.stock));
+  BITELINE_ASSIGN(const api::Catalogue catalogue, catalogue_now(room.catalogue));
   if (room.arm) {
-    BITELINE_ASSIGN(process, process_of(*room.arm, stock, order));
+    BITELINE_ASSIGN(process, process_of(*room.arm, catalogue, order));
     report.fields["process"] = process->name;
   }
   std::error_code error;
   Line line;
   if (!order.model.empty()) {
-    BITELINE_ASSIGN(line, carry(stock, order, cloud, folder, report));
+    BITELINE_ASSIGN(line, carry(catalogue, order, cloud, folder, report));
   } else if (!order.method.empty() || !fs::exists(scan / "line.csv", error)) {
     BITELINE_ASSIGN(line, find(order, cloud, folder, report));
   } else {

@@ -10,7 +10,7 @@
 #include <string>
 #include <thread>
 
-#include "host/apps/biteline-host/stock.hpp"
+#include "host/apps/biteline-host/catalogue.hpp"
 #include "host/interfaces/api/rerun.hpp"
 #include "host/robot/kinematics/arm_model.hpp"
 #include "host/robot/path/plan.hpp"
@@ -27,7 +27,7 @@ struct RerunArm {
 
 struct RerunRoom {
   std::filesystem::path results;
-  StockFolders stock;
+  CatalogueFolders catalogue;
   std::optional<RerunArm> arm;  ///< without: lines alone
   /// What was taught of the tool of that name; none: nothing is.
   std::function<Result<path::Mounted>(const std::string& tool)> mounted{};

@@ -92,7 +92,7 @@ Result<Service> Service::create(const Options& options, robot::Stops& stops) {
   BITELINE_ASSIGN(std::unique_ptr<OperatorControl> operator_control,
                   OperatorControl::open(
                       {.results = options.out,
-                       .stock = stock_folders(options),
+                       .catalogue = catalogue_folders(options),
                        .sensor = options.sensor.text(),
                        .arm = robot ? robot->arm.name : "",
                        .controller = !robot                            ? ""

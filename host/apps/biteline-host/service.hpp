@@ -411,7 +411,7 @@ class Service {
   [[nodiscard]] Result<void> keep_process(const std::filesystem::path& folder, const Chosen& chosen) const;
   /// Read once for a scan: a switch while it is worked is for the next one.
   [[nodiscard]] Result<void> choose_release(Chosen& chosen) const;
-  [[nodiscard]] api::Stock stock_for(const Chosen& chosen) const;
+  [[nodiscard]] api::Catalogue catalogue_for(const Chosen& chosen) const;
   /// Now, here and below: a scan may have waited for a long time.
   [[nodiscard]] bool holds_arm() const;
   /// Pre: there is a robot.

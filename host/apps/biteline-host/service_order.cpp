@@ -218,7 +218,7 @@ void Service::show_next_process() {
 void Service::look_at_other_process(Chosen& chosen) const {
   if (!robot_ || !chosen.taught || !chosen.process || chosen.model.empty()) return;
   if (chosen.model == chosen.taught_model) return;
-  const fs::path own = transfer::process_of(stock_for(chosen).models, chosen.model, chosen.sample);
+  const fs::path own = transfer::process_of(catalogue_for(chosen).models, chosen.model, chosen.sample);
   std::string name = robot_->process.process.name, sha256 = robot_->process.sha256;
   if (!own.empty()) {
     const Result<TakenProcess> taken = take_process(own);

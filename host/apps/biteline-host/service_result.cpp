@@ -145,8 +145,8 @@ Result<void> Service::choose_release(Chosen& chosen) const {
   return {};
 }
 
-api::Stock Service::stock_for(const Chosen& chosen) const {
-  return stock_of(chosen.release, stock_folders(options_));
+api::Catalogue Service::catalogue_for(const Chosen& chosen) const {
+  return catalogue_of(chosen.release, catalogue_folders(options_));
 }
 
 Result<LineStep> Service::work_out_line(Scan& scan, intake::ScanOutcome& outcome) {
@@ -237,7 +237,7 @@ Result<LineStep> Service::use_library(Scan& scan, const intake::ScanOutcome& out
     chosen.taught = now.taught;
     chosen.taught_model = now.model;
   }
-  const transfer::Library library = stock_for(chosen).models;
+  const transfer::Library library = catalogue_for(chosen).models;
   if (outcome.failure || found.too_little_seen || (!options_.models && chosen.model.empty())) {
     BITELINE_TRY(choose_process(chosen));
     operator_control_->show_model(chosen.model, chosen.probability, {chosen.process_name, chosen.process_by});
@@ -302,7 +302,7 @@ Result<LineStep> Service::carry_or_review(const fs::path& folder, Carrier carrie
 
 Result<void> Service::choose_process(Chosen& chosen) const {
   if (!robot_) return {};
-  const auto [release, library, processes] = stock_for(chosen);
+  const auto [release, library, processes] = catalogue_for(chosen);
   fs::path file;
   if (!chosen.process_name.empty()) {
     BITELINE_ASSIGN(const api::StoredProcess stored, processes.find(chosen.process_name));
@@ -337,7 +337,7 @@ Service::Worked Service::work_named(HeldScan held, const std::string& model) {
   chosen.process_by = held.scan.chosen.process_by;
   chosen.taught = held.scan.chosen.taught;
   chosen.taught_model = held.scan.chosen.taught_model;
-  const transfer::Library library = stock_for(chosen).models;
+  const transfer::Library library = catalogue_for(chosen).models;
   const Result<Recognised> named = take_named(library, unnamed.outcome.cloud, {.model = model});
   if (!named) return wait_on(std::move(held), named.error());
   chosen.take(*named);

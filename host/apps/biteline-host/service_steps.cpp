@@ -66,7 +66,7 @@ Result<void> tell_step(const fs::path& folder, const std::string& of, const std:
 
 Result<void> Service::take_following(Chosen& chosen) const {
   chosen.following.clear();
-  const api::ProcessStore processes = stock_for(chosen).processes;
+  const api::ProcessStore processes = catalogue_for(chosen).processes;
   std::vector<std::string> known{taken_of(chosen).sha256};
   path::Process last = taken_of(chosen).process;
   while (!last.next_process.empty()) {

@@ -48,7 +48,7 @@ std::string utc_now() {
   return text;
 }
 
-StockFolders stock_folders(const Options& options) {
+CatalogueFolders catalogue_folders(const Options& options) {
   return {.library = options.library,
           .shipped_processes = intake::program_folder().parent_path() / "share/biteline/processes",
           .saved_processes = options.out / "processes",

@@ -9,10 +9,10 @@
 
 #include "common/core/result.hpp"
 #include "common/time/clocks.hpp"
+#include "host/apps/biteline-host/catalogue.hpp"
 #include "host/apps/biteline-host/controller.hpp"
 #include "host/apps/biteline-host/options.hpp"
 #include "host/apps/biteline-host/scan_pipeline.hpp"
-#include "host/apps/biteline-host/stock.hpp"
 #include "host/intake/child_process.hpp"
 
 namespace biteline::service {
@@ -38,7 +38,7 @@ void log_error(const Error& error);
 /// What the shoe stands on above the table; none: on the table.
 [[nodiscard]] std::optional<path::Fixture> fixture_of(const RobotOptions& robot);
 /// Shipped processes stand beside the program, as installed and as built.
-[[nodiscard]] StockFolders stock_folders(const Options& options);
+[[nodiscard]] CatalogueFolders catalogue_folders(const Options& options);
 
 /// A scan's own exceptions (memory, text that no JSON takes) are the scan's, not the service's.
 template <class Work>

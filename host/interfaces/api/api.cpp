@@ -218,9 +218,9 @@ Answer Api::start(const Call& call) {
   if (!job.foot.empty() && !is_foot(job.foot)) fields.fault("foot", "left or right expected");
   if (const std::optional<Answer> faults = fields.faults()) return *faults;
   if (!job.process.empty()) {
-    const Result<Stock> stock = this->stock();
-    if (!stock) return answer_of(stock.error());
-    if (const auto found = stock->processes.find(job.process); !found) return answer_of(found.error());
+    const Result<Catalogue> catalogue = this->catalogue();
+    if (!catalogue) return answer_of(catalogue.error());
+    if (const auto found = catalogue->processes.find(job.process); !found) return answer_of(found.error());
   }
   const memory::UnixMs heard = memory::now_ms();
   const Result<void> done = rooms_.cell.start(job, speaker(call));

@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "host/interfaces/accounts/accounts.hpp"
+#include "host/interfaces/api/catalogue.hpp"
 #include "host/interfaces/api/cell.hpp"
 #include "host/interfaces/api/exchange.hpp"
 #include "host/interfaces/api/mounted.hpp"
 #include "host/interfaces/api/routes.hpp"
-#include "host/interfaces/api/stock.hpp"
 #include "host/interfaces/api/stop_log.hpp"
 #include "host/interfaces/api/teach.hpp"
 #include "host/interfaces/control/messages.hpp"
@@ -32,7 +32,7 @@ struct Rooms {
   std::string version;
   std::function<void(const std::string&, Json)> publish;  ///< an event for all doors
   std::function<std::uint64_t()> last_seq;
-  std::function<Result<Stock>()> stock{};  ///< what scans are worked with now; none: the cell's own
+  std::function<Result<Catalogue>()> catalogue{};  ///< what scans are worked with now; none: the cell's own
   /// Who commands as a line's door shows it; empty: the control end's keys say who comes in.
   std::string line_token{};
   memory::FactoryDay day{};  ///< filters, trends and tables go by it
@@ -97,7 +97,7 @@ class Api {
   [[nodiscard]] control::Answer tell_of_model(const Call& call, const transfer::ModelInfo& model,
                                               const std::string& action, const std::string& after);
   [[nodiscard]] Result<std::string> newest_with_line() const;
-  [[nodiscard]] Result<Stock> stock() const;
+  [[nodiscard]] Result<Catalogue> catalogue() const;
   [[nodiscard]] Json control_json() const;
 
   Rooms rooms_;

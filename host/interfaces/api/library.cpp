@@ -66,26 +66,26 @@ Answer fault_answer(const Error& error) {
 
 }  // namespace
 
-Result<Stock> Api::stock() const {
-  if (rooms_.stock) return rooms_.stock();
-  return Stock{.release = {}, .models = rooms_.models, .processes = rooms_.processes};
+Result<Catalogue> Api::catalogue() const {
+  if (rooms_.catalogue) return rooms_.catalogue();
+  return Catalogue{.release = {}, .models = rooms_.models, .processes = rooms_.processes};
 }
 
 Answer Api::list_models(const Call&) {
   rooms_.exchange.forget_idle();
-  const Result<Stock> stock = this->stock();
-  if (!stock) return answer_of(stock.error());
-  const Result<std::vector<transfer::ModelInfo>> models = stock->models.list();
+  const Result<Catalogue> catalogue = this->catalogue();
+  if (!catalogue) return answer_of(catalogue.error());
+  const Result<std::vector<transfer::ModelInfo>> models = catalogue->models.list();
   if (!models) return answer_of(models.error());
   Json list = Json::array();
   for (const transfer::ModelInfo& model : *models) list.push_back(model_json(model));
-  return ok({{"models", std::move(list)}, {"release", or_null(stock->release)}});
+  return ok({{"models", std::move(list)}, {"release", or_null(catalogue->release)}});
 }
 
 Answer Api::read_model(const Call& call) {
-  const Result<Stock> stock = this->stock();
-  if (!stock) return answer_of(stock.error());
-  const Result<transfer::ModelInfo> model = stock->models.info(call.names.front());
+  const Result<Catalogue> catalogue = this->catalogue();
+  if (!catalogue) return answer_of(catalogue.error());
+  const Result<transfer::ModelInfo> model = catalogue->models.info(call.names.front());
   return model ? ok(model_json(*model)) : answer_of(model.error());
 }
 
@@ -109,9 +109,9 @@ std::optional<Answer> Api::choose_process_of_model(const std::string& scan, cons
             (name == planned ? ", which is another one by now" : ", and not with " + name) +
             ": name no process to save its own, or say other_process");
   };
-  const Result<Stock> stock = this->stock();
-  if (!stock) return answer_of(stock.error());
-  const Result<StoredProcess> stored = stock->processes.find(name);
+  const Result<Catalogue> catalogue = this->catalogue();
+  if (!catalogue) return answer_of(catalogue.error());
+  const Result<StoredProcess> stored = catalogue->processes.find(name);
   if (!stored) return process.empty() ? another() : answer_of(stored.error());
   if (!other && is_kept) {
     const Result<std::string> now = digest_of_file(stored->file), then = digest_of_file(kept);
@@ -194,12 +194,12 @@ Answer Api::remove_model(const Call& call) {
 }
 
 Answer Api::list_processes(const Call&) {
-  const Result<Stock> stock = this->stock();
-  if (!stock) return answer_of(stock.error());
+  const Result<Catalogue> catalogue = this->catalogue();
+  if (!catalogue) return answer_of(catalogue.error());
   Json list = Json::array();
-  for (const StoredProcess& process : stock->processes.list())
+  for (const StoredProcess& process : catalogue->processes.list())
     list.push_back({{"name", process.name}, {"shipped", process.shipped}});
-  return ok({{"processes", std::move(list)}, {"release", or_null(stock->release)}});
+  return ok({{"processes", std::move(list)}, {"release", or_null(catalogue->release)}});
 }
 
 Answer Api::read_process_schema(const Call&) {
@@ -207,8 +207,8 @@ Answer Api::read_process_schema(const Call&) {
 }
 
 Answer Api::read_process(const Call& call) {
-  const Result<Stock> stock = this->stock();
-  return stock ? process_answer(stock->processes, call.names.front()) : answer_of(stock.error());
+  const Result<Catalogue> catalogue = this->catalogue();
+  return catalogue ? process_answer(catalogue->processes, call.names.front()) : answer_of(catalogue.error());
 }
 
 Answer Api::write_process(const Call& call) {

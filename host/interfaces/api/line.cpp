@@ -82,11 +82,11 @@ Answer Api::choose_job(const Call& call) {
   if (!number) return line_answer(Refusal::BadRequest);
   const std::optional<Job> job = rooms_.cell.job_of(*number);
   if (!job) return line_answer(Refusal::UnknownJob);
-  const Result<Stock> stock = this->stock();
+  const Result<Catalogue> catalogue = this->catalogue();
   std::error_code error;
-  const bool model_gone = stock && !job->model.empty() &&
-                          !std::filesystem::is_directory(stock->models.path_of(job->model), error);
-  if (!stock || model_gone || (!job->process.empty() && !stock->processes.find(job->process)))
+  const bool model_gone = catalogue && !job->model.empty() &&
+                          !std::filesystem::is_directory(catalogue->models.path_of(job->model), error);
+  if (!catalogue || model_gone || (!job->process.empty() && !catalogue->processes.find(job->process)))
     return line_answer(Refusal::UnknownJob);
   const int before = rooms_.cell.line_state().job;
   const Refusal refusal = rooms_.cell.choose_job(*number, rooms_.accounts.holder().has_value());

@@ -49,10 +49,10 @@ Answer Api::export_model(const Call& call) {
   const std::string& name = call.names.front();
   const Result<fs::path> file = rooms_.exchange.outgoing();
   if (!file) return answer_of(file.error());
-  const Result<Stock> stock = this->stock();
-  if (!stock) return answer_of(stock.error());
-  if (const Result<void> written = stock->models.export_to(name, *file); !written)
-    return told_of_file(written.error(), *file, stock->models.folder());
+  const Result<Catalogue> catalogue = this->catalogue();
+  if (!catalogue) return answer_of(catalogue.error());
+  if (const Result<void> written = catalogue->models.export_to(name, *file); !written)
+    return told_of_file(written.error(), *file, catalogue->models.folder());
   Answer answer;
   answer.type = "application/x-tar";
   answer.file = file->lexically_relative(rooms_.results).string();

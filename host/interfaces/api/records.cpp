@@ -42,10 +42,10 @@ Json versions_json(const fs::path& folder, const memory::Scan& scan) {
 
 /// A process may have another name than its file, and the file another content by now: which of the list it
 /// is.
-Json process_file_json(const fs::path& folder, const Stock& stock) {
+Json process_file_json(const fs::path& folder, const Catalogue& catalogue) {
   const Result<std::string> kept = digest_of_file(folder / transfer::k_process_file);
   if (!kept) return {};
-  for (const StoredProcess& stored : stock.processes.list()) {
+  for (const StoredProcess& stored : catalogue.processes.list()) {
     if (const Result<std::string> now = digest_of_file(stored.file); now && *now == *kept) return stored.name;
   }
   return {};
@@ -83,8 +83,8 @@ Answer Api::read_scan(const Call& call) {
   json["gate"] = file_json(folder / "gate.json");
   json["follow"] = file_json(folder / "followed.json");
   json["air"] = air_json(folder / k_air_folder);
-  if (const Result<Stock> stock = this->stock(); stock)
-    json["process_file"] = process_file_json(folder, *stock);
+  if (const Result<Catalogue> catalogue = this->catalogue(); catalogue)
+    json["process_file"] = process_file_json(folder, *catalogue);
   json["versions"] = versions_json(folder, **scan);
   json["reruns"] = reruns_json(folder, [&](int number) { return rooms_.cell.rerun_open(id, number); });
   Json stretches = Json::array();
@@ -147,9 +147,9 @@ Answer Api::choose_model(const Call& call) {
   if (!model.empty() && !is_name(model)) fields.fault("model", "a model's name expected");
   if (const std::optional<Answer> faults = fields.faults()) return *faults;
   if (!is_scan_id(id)) return control::refusal(404, "not_found", "no such scan; GET /scans lists them");
-  const Result<Stock> stock = this->stock();
-  if (!stock) return answer_of(stock.error());
-  const Result<transfer::ModelInfo> info = stock->models.info(model);
+  const Result<Catalogue> catalogue = this->catalogue();
+  if (!catalogue) return answer_of(catalogue.error());
+  const Result<transfer::ModelInfo> info = catalogue->models.info(model);
   if (!info) return answer_of(info.error());
   if (info->damage) return answer_of(*info->damage);
   const Result<void> chosen = rooms_.cell.choose_model(id, model, speaker(call));
@@ -177,9 +177,9 @@ Answer Api::choose_process(const Call& call) {
   if (!process.empty() && !is_name(process)) fields.fault("process", "a process's name expected");
   if (const std::optional<Answer> faults = fields.faults()) return *faults;
   if (!is_scan_id(id)) return control::refusal(404, "not_found", "no such scan; GET /scans lists them");
-  const Result<Stock> stock = this->stock();
-  if (!stock) return answer_of(stock.error());
-  if (const auto stored = stock->processes.find(process); !stored) return answer_of(stored.error());
+  const Result<Catalogue> catalogue = this->catalogue();
+  if (!catalogue) return answer_of(catalogue.error());
+  if (const auto stored = catalogue->processes.find(process); !stored) return answer_of(stored.error());
   const Result<void> chosen = rooms_.cell.choose_process(id, process, speaker(call));
   if (!chosen) return answer_of(chosen.error());
   teach_.chose_process(id, call.person.name);
@@ -267,10 +267,10 @@ Answer Api::read_trends(const Call& call) {
         rooms_.memory.place_sums(query.filter.model, query.filter.from, query.filter.to);
     if (!sums) return answer_of(sums.error());
     // The tolerance is the model's process's; without one there is nothing to compare with.
-    const Result<Stock> stock = this->stock();
-    if (!stock) return answer_of(stock.error());
+    const Result<Catalogue> catalogue = this->catalogue();
+    if (!catalogue) return answer_of(catalogue.error());
     const Result<path::Process> process =
-        path::read_process(stock->models.path_of(query.filter.model) / transfer::k_process_file);
+        path::read_process(catalogue->models.path_of(query.filter.model) / transfer::k_process_file);
     if (process && process->gate.tolerance_mm) {
       if (const auto capability = memory::capability_of(*sums, *process->gate.tolerance_mm)) {
         json["capability"] = {{"model", query.filter.model},

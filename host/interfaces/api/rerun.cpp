@@ -135,14 +135,14 @@ Answer Api::rerun_scan(const Call& call) {
   const Result<std::optional<memory::Scan>> row = rooms_.memory.scan(id);
   if (!row) return answer_of(row.error());
   if (!*row) return control::refusal(404, "not_found", id + ": no such scan; GET /scans lists them");
-  const Result<Stock> stock = this->stock();
-  if (!stock) return answer_of(stock.error());
+  const Result<Catalogue> catalogue = this->catalogue();
+  if (!catalogue) return answer_of(catalogue.error());
   if (!order.process.empty()) {
-    if (const auto process = stock->processes.find(order.process); !process)
+    if (const auto process = catalogue->processes.find(order.process); !process)
       return answer_of(process.error());
   }
   if (!order.model.empty()) {
-    if (const auto model = stock->models.info(order.model); !model) return answer_of(model.error());
+    if (const auto model = catalogue->models.info(order.model); !model) return answer_of(model.error());
   }
   const Result<int> number = rooms_.cell.rerun(order);
   if (!number) return answer_of(number.error());

@@ -23,9 +23,9 @@ TEST_GROUP(OperatorControlAnswers) {
   void setup() override {
     OperatorControlConfig config;
     config.results = folder.path();
-    config.stock = {.library = folder.path() / "models",
-                    .shipped_processes = BITELINE_PROCESSES,
-                    .saved_processes = folder.path() / "processes"};
+    config.catalogue = {.library = folder.path() / "models",
+                        .shipped_processes = BITELINE_PROCESSES,
+                        .saved_processes = folder.path() / "processes"};
     config.sensor = "tcp://127.0.0.1:7117";
     config.arm = "UR5e";
     config.controller = "127.0.0.1:29999";

@@ -19,7 +19,7 @@ TEST(ApiLineToken, AProgramThatCallsItselfADoorChoosesAndStartsNothing) {
                     .version = "1.2.3",
                     .publish = {},
                     .last_seq = {},
-                    .stock = [this] { return stock; },
+                    .catalogue = [this] { return catalogue; },
                     .line_token = "the service's token"}};
   control::Request request;
   request.local = true;

@@ -17,10 +17,10 @@ struct ApiReleaseWorld : ApiWorld {
     std::filesystem::create_directories(release / "processes");
     std::filesystem::copy_file(std::filesystem::path{BITELINE_PROCESSES} / "grind.yaml",
                                release / "processes/grind.yaml");
-    stock = Stock{.release = hash,
-                  .models = transfer::Library{release / "models"},
-                  .processes = ProcessStore{release / "processes", {}}};
-    SUCCEEDS(stock->models.save("loafer", folder.path() / "sample"));
+    catalogue = Catalogue{.release = hash,
+                          .models = transfer::Library{release / "models"},
+                          .processes = ProcessStore{release / "processes", {}}};
+    SUCCEEDS(catalogue->models.save("loafer", folder.path() / "sample"));
   }
   static std::vector<std::string> names_of(const Json& rows) {
     std::vector<std::string> names;
@@ -58,15 +58,15 @@ TEST(ApiRelease, WhatIsSavedHereWaitsForTheNextOne) {
   LONGS_EQUAL(200, ask("PUT", "/processes/mine", grind).status);
   LONGS_EQUAL(404, ask("GET", "/models/boot").status);
   LONGS_EQUAL(404, ask("GET", "/processes/mine").status);
-  stock = Stock{.release = {},
-                .models = transfer::Library{folder.path() / "models"},
-                .processes = ProcessStore{BITELINE_PROCESSES, folder.path() / "processes"}};
+  catalogue = Catalogue{.release = {},
+                        .models = transfer::Library{folder.path() / "models"},
+                        .processes = ProcessStore{BITELINE_PROCESSES, folder.path() / "processes"}};
   LONGS_EQUAL(200, ask("GET", "/models/boot").status);
   LONGS_EQUAL(200, ask("GET", "/processes/mine").status);
 }
 
 TEST(ApiRelease, OneThatCannotBeReadIsToldAndNothingElseIsShownInItsPlace) {
-  stock = fail(Errc::FileNotFound, "releases/plan.json");
+  catalogue = fail(Errc::FileNotFound, "releases/plan.json");
   log_in("eng");
   for (const char* path : {"/models", "/processes", "/models/boot", "/processes/grind"}) {
     const control::Answer answer = ask("GET", path);

@@ -164,11 +164,12 @@ struct ApiWorld : Utest {
                 .version = "1.2.3",
                 .publish = [this](const std::string& name, const Json&) { events.push_back(name); },
                 .last_seq = [] { return std::uint64_t{7}; },
-                .stock = [this] { return stock; }}};
+                .catalogue = [this] { return catalogue; }}};
   /// What scans are worked with: at first the cell's own.
-  Result<Stock> stock{Stock{.release = {},
-                            .models = transfer::Library{folder.path() / "models"},
-                            .processes = ProcessStore{BITELINE_PROCESSES, folder.path() / "processes"}}};
+  Result<Catalogue> catalogue{
+      Catalogue{.release = {},
+                .models = transfer::Library{folder.path() / "models"},
+                .processes = ProcessStore{BITELINE_PROCESSES, folder.path() / "processes"}}};
   std::string token;
   bool local{false};
   std::uint64_t heard{0};

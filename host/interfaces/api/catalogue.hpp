@@ -10,7 +10,7 @@
 namespace biteline::api {
 
 /// Thread: no state but the folders' names.
-struct Stock {
+struct Catalogue {
   std::string release;  ///< its hash; empty: the cell's own
   transfer::Library models;
   ProcessStore processes;

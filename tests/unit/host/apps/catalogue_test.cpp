@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "host/apps/biteline-host/stock.hpp"
+#include "host/apps/biteline-host/catalogue.hpp"
 
 #include <CppUTest/TestHarness.h>
 
@@ -8,7 +8,7 @@
 
 namespace biteline::service {
 
-TEST_GROUP(ScanStock) {
+TEST_GROUP(ScanCatalogue) {
   test::TemporaryFolder folder;
   std::filesystem::path own{folder.path() / "own"}, shipped{folder.path() / "shipped"},
       saved{folder.path() / "saved"};
@@ -16,7 +16,7 @@ TEST_GROUP(ScanStock) {
                             .models = folder.path() / "release/models",
                             .processes = folder.path() / "release/processes"};
 
-  [[nodiscard]] StockFolders folders() const {
+  [[nodiscard]] CatalogueFolders folders() const {
     return {.library = own, .shipped_processes = shipped, .saved_processes = saved};
   }
   void setup() override {
@@ -26,25 +26,25 @@ TEST_GROUP(ScanStock) {
   }
 };
 
-TEST(ScanStock, WithoutAReleaseTheCellsOwn) {
-  const api::Stock stock = stock_of(std::nullopt, folders());
-  CHECK(stock.models.folder() == own);
-  for (const char* name : {"rough", "mine", "grind"}) SUCCEEDS(stock.processes.find(name));
+TEST(ScanCatalogue, WithoutAReleaseTheCellsOwn) {
+  const api::Catalogue catalogue = catalogue_of(std::nullopt, folders());
+  CHECK(catalogue.models.folder() == own);
+  for (const char* name : {"rough", "mine", "grind"}) SUCCEEDS(catalogue.processes.find(name));
 }
 
-TEST(ScanStock, WithAReleaseNothingButItsOwn) {
-  const api::Stock stock = stock_of(released, folders());
-  CHECK(!stock.models.has("taught"));
-  CHECK(stock.models.names().value() == std::vector<std::string>{"boot"});
-  for (const char* name : {"rough", "mine"}) CHECK_TEXT(!stock.processes.find(name), name);
-  const auto grind = stock.processes.find("grind");
+TEST(ScanCatalogue, WithAReleaseNothingButItsOwn) {
+  const api::Catalogue catalogue = catalogue_of(released, folders());
+  CHECK(!catalogue.models.has("taught"));
+  CHECK(catalogue.models.names().value() == std::vector<std::string>{"boot"});
+  for (const char* name : {"rough", "mine"}) CHECK_TEXT(!catalogue.processes.find(name), name);
+  const auto grind = catalogue.processes.find("grind");
   SUCCEEDS(grind);
   CHECK(grind->file == released.processes / "grind.yaml");
 }
 
-TEST(ScanStock, ReleaseOfModelsAloneHasNoProcess) {
+TEST(ScanCatalogue, ReleaseOfModelsAloneHasNoProcess) {
   std::filesystem::remove_all(released.processes);
-  CHECK(stock_of(released, folders()).processes.list().empty());
+  CHECK(catalogue_of(released, folders()).processes.list().empty());
 }
 
 }  // namespace biteline::service

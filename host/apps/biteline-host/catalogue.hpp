@@ -5,14 +5,14 @@
 #include <filesystem>
 #include <optional>
 
-#include "host/interfaces/api/stock.hpp"
+#include "host/interfaces/api/catalogue.hpp"
 #include "host/records/memory/memory.hpp"
 #include "host/records/release/shelf.hpp"
 
 namespace biteline::service {
 
 /// The folders of one cell.
-struct StockFolders {
+struct CatalogueFolders {
   std::filesystem::path library;            ///< of its own models
   std::filesystem::path shipped_processes;  ///< may be absent
   std::filesystem::path saved_processes;    ///< may be absent
@@ -20,8 +20,8 @@ struct StockFolders {
 };
 
 /// Of a release nothing but its own: what was taught or saved at this cell waits for the next one.
-[[nodiscard]] inline api::Stock stock_of(const std::optional<release::InForce>& release,
-                                         const StockFolders& folders) {
+[[nodiscard]] inline api::Catalogue catalogue_of(const std::optional<release::InForce>& release,
+                                                 const CatalogueFolders& folders) {
   if (release)
     return {.release = release->hash,
             .models = transfer::Library{release->models},
@@ -32,12 +32,12 @@ struct StockFolders {
 }
 
 /// Now.  Errc: of release::in_force().
-[[nodiscard]] inline Result<api::Stock> stock_now(const StockFolders& folders) {
+[[nodiscard]] inline Result<api::Catalogue> catalogue_now(const CatalogueFolders& folders) {
   std::optional<release::InForce> release;
   if (!folders.releases.empty()) {
     BITELINE_ASSIGN(release, release::in_force(folders.releases, memory::now_ms()));
   }
-  return stock_of(release, folders);
+  return catalogue_of(release, folders);
 }
 
 }  // namespace biteline::service
