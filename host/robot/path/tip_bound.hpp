@@ -34,7 +34,7 @@ struct TipParts {
 [[nodiscard]] std::optional<double> risk_beyond(const TipParts& parts, double tolerance_mm);
 
 /// Of the largest true distance over the sum, as bound_factor.py finds them in bench_tip's rows
-/// (docs/robot-path.md): the bound's factor; mean and standard deviation.
+/// (docs/tip.md): the bound's factor; mean and standard deviation.
 inline constexpr double k_bound_factor = 1.46, k_mean_ratio = 0.77, k_ratio_sigma = 0.27;
 
 }  // namespace biteline::path
