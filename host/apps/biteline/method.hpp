@@ -10,8 +10,7 @@
 namespace biteline::app {
 
 enum class Method {
-  Default,    ///< closed layers of the side's height field, then placed in the raw points
-  Curve,      ///< the cheapest closed curve in any direction, then placed likewise
+  Default,    ///< the cheapest closed curve in any direction, then placed in the raw points
   Published,  ///< greedy tracing of curvature pixels, joining, back-projection and thinning
 };
 
