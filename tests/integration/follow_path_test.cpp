@@ -363,6 +363,60 @@ ORDINARY_TIMED_TEST(FollowPath, PressesOverTheNetworkAndNamesALostContact) {
   LONGS_EQUAL(0, arm.at(hal::monotonic_now()).outputs);
 }
 
+/// The same by a flange: its lines and its reading go over the controller's terminals and RTDE.
+ORDINARY_TIMED_TEST(FollowPath, PressesByAFlangeAndNamesADeadOne) {
+  path::PlanRequest request = test::plan_request("rough.yaml");
+  request.process.tool.free_turn_rad = 0;
+  request.process.placement.outwards = path::Outwards::Normal;
+  request.process.force =
+      path::Force{.set_newton = 15,
+                  .flange = path::Flange{
+                      .on_output = 4, .ready_input = 5, .tilt_rad = request.process.placement.tilt_rad}};
+  request.process.only = {{.from_mm = 20, .to_mm = 260}};
+  const path::PlanOutcome outcome = path::plan(request);
+  CHECK_TEXT(outcome.path.has_value(), outcome.reason().c_str());
+  const path::Flange& asked = *request.process.force->flange;
+  const auto run = [&](double dead_after_s, FollowReport& report) -> Result<void> {
+    ElasticUpper upper{outcome.path->path()};
+    sim::Arm arm{kinematics, T_base_flange_home(kinematics)};
+    sim::UrController::Config config;
+    config.touch = [&](const SE3& T_base_tip, double) { return upper.newton(T_base_tip, 15); };
+    config.flange = sim::FlangeFacts{.on_output = asked.on_output,
+                                     .ready_input = asked.ready_input,
+                                     .axis_tcp = path::axis_tcp(asked),
+                                     .dead_after_s = dead_after_s};
+    BITELINE_ASSIGN(const auto controller, sim::UrController::open(config, arm, {}));
+    const sim::UrController::Ports ports = controller->ports();
+    BITELINE_ASSIGN(const auto link, ur::UrLink::open({.host = "127.0.0.1",
+                                                       .rtde_port = ports.rtde,
+                                                       .script_port = ports.primary,
+                                                       .dashboard_port = ports.dashboard,
+                                                       .rate_hz = 0,
+                                                       .connect_patience_s = 20,
+                                                       .ask_force = true,
+                                                       .flange_input = asked.analog_input}));
+    const Result<void> done =
+        follow(*link, test::permitted(*outcome.path, link->latest()->q_rad), {}, report);
+    if (done) {
+      CHECK(upper.cycles > 100);
+      CHECK(upper.right > 0.8 * upper.cycles);
+    }
+    LONGS_EQUAL(0, arm.at(hal::monotonic_now()).outputs);
+    return done;
+  };
+  FollowReport pressed;
+  const Result<void> done = run(1e9, pressed);
+  CHECK_TEXT(done.has_value(), done ? "" : to_line(done.error()).c_str());
+  const auto told = path::force_told(outcome.path->path(), pressed.track, {});
+  CHECK(told && told->samples > 100);
+  DOUBLES_EQUAL(15, told->mean_newton, 0.05 * 15);
+
+  FollowReport dead;
+  CHECK(!run(2, dead).has_value());
+  CHECK(dead.halt.has_value());
+  CHECK_TEXT(dead.halt->code == Halt::FlangeDead, dead.halt->reason.c_str());
+}
+
 /// An arm as it leaves the factory: its controller's rows are those by which it moves, and a path planned
 /// with them is met.
 TEST(FollowPath, ArmsOwnKinematicsComeFromItsController) {

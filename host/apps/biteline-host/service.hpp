@@ -265,7 +265,8 @@ class Service {
   void look_at_tool();
 
   // Several processes for one shoe (service_steps.cpp).
-  /// What follows chosen's process by `next_process`.  Errc::BadValue names what does not go together.
+  /// What follows chosen's process by `next_process`.  Errc::FileNotFound: no such process;
+  /// Errc::NotSupported names what does not go together.
   [[nodiscard]] Result<void> take_following(Chosen& chosen) const;
   /// A look, or another process, follows the work.
   [[nodiscard]] bool goes_on_after(const Chosen& chosen) const {

@@ -28,7 +28,7 @@ constexpr std::size_t k_most_processes = 10;
 /// One look has to tell the work of one process from what was there before, and one tool from the next.
 Result<void> check_pair(const path::Process& before, const path::Process& next) {
   if (next.after_work != path::AfterWork::None && before.after_work == path::AfterWork::None)
-    return fail(Errc::BadValue,
+    return fail(Errc::NotSupported,
                 "'%.80s' looks at its work, and '%.80s' before it does not: no look could tell the two "
                 "apart; set after_work of the first, too",
                 next.name.c_str(), before.name.c_str());
@@ -36,7 +36,7 @@ Result<void> check_pair(const path::Process& before, const path::Process& next) 
       (next.tool.T_flange_tcp.translation() - before.tool.T_flange_tcp.translation()).norm();
   const bool named = !next.tool.name.empty() && !before.tool.name.empty();
   if (named || apart_mm <= path::k_taught_tip_mm) return {};
-  return fail(Errc::BadValue,
+  return fail(Errc::NotSupported,
               "the tips of '%.80s' and '%.80s' stand %.1f mm apart: name the tool of each (tool.name)",
               before.name.c_str(), next.name.c_str(), apart_mm);
 }
@@ -72,12 +72,12 @@ Result<void> Service::take_following(Chosen& chosen) const {
   while (!last.next_process.empty()) {
     const Result<api::StoredProcess> stored = processes.find(last.next_process);
     if (!stored)
-      return fail(Errc::BadValue, "next_process of '%.80s': no saved process '%.64s'", last.name.c_str(),
+      return fail(Errc::FileNotFound, "next_process of '%.80s': no saved process '%.64s'", last.name.c_str(),
                   last.next_process.c_str());
     BITELINE_ASSIGN(TakenProcess next, take_process(stored->file));
     BITELINE_TRY(check_pair(last, next.process));
     if (std::ranges::find(known, next.sha256) != known.end() || known.size() == k_most_processes)
-      return fail(Errc::BadValue,
+      return fail(Errc::NotSupported,
                   "next_process of '%.80s': '%.64s' comes again; each process works a shoe once, and at most "
                   "%zu do",
                   last.name.c_str(), last.next_process.c_str(), k_most_processes);

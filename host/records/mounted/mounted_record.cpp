@@ -421,6 +421,13 @@ Result<Record> mount_tool(memory::Memory& memory, const std::string& name, const
                 name.c_str());
   BITELINE_ASSIGN(const Record before, read_record(memory));
   Record now = before;
+  const bool nameless = !now.tool && (now.tip || now.payload || now.lines || now.renewed);
+  if (nameless && now.shelf.contains(name))
+    return fail(
+        Errc::WrongState,
+        "a tip or payload was taught while no tool was named, and '%.64s' has its own; forget them, or "
+        "give their tool another name first",
+        name.c_str());
   const bool same = now.tool && now.tool->name == name;
   if (!same) shelve(now);
   if (const auto found = now.shelf.find(name); found != now.shelf.end()) {

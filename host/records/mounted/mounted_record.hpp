@@ -102,6 +102,7 @@ struct Hand {
 /// A new version with this tool mounted.  Tip, payload and lines are then what was taught of it before; those
 /// of the tool before go with that one's name.  A tool without a name gets this one, where the shelf has none
 /// of it. Errc::BadValue: path::is_name() takes it for none.
+/// Errc::WrongState: what was taught without a name would be lost to what the shelf has of this one.
 [[nodiscard]] Result<Record> mount_tool(memory::Memory& memory, const std::string& name, const Hand& hand);
 /// A new version without this part: it is checked no more.  Without a tool: nobody has said
 /// which one is mounted, and what was taught of it is on the shelf.

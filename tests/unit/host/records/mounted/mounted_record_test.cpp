@@ -137,6 +137,20 @@ TEST(MountedRecord, AChangerBringsWhatItHoldsInPlaceOfWhatItHolds) {
   CHECK(!read_record(*memory)->mounted("brush").changer);
 }
 
+/// Whose tip it is nobody knows: it is not given up for the one on the shelf without a word.
+TEST(MountedRecord, WhatWasTaughtWithoutANameIsNotLostToAShelvedTool) {
+  SUCCEEDS(mount_tool(*memory, "brush", hand));
+  SUCCEEDS(keep_touched(*memory, Lesson::Part::Tip, tip, 6, hand));
+  SUCCEEDS(forget(*memory, Part::Tool, hand));
+  SUCCEEDS(mount_tool(*memory, "brush", hand));
+  SUCCEEDS(forget(*memory, Part::Tool, hand));
+  SUCCEEDS(keep_touched(*memory, Lesson::Part::Tip, {.tip_flange = {0, 0, 150}}, 6, hand));
+  FAILS_NAMING(Errc::WrongState, "no tool was named", mount_tool(*memory, "brush", hand));
+  DOUBLES_EQUAL(150, read_record(*memory)->tip->tip_flange.z(), 1e-12);
+  SUCCEEDS(mount_tool(*memory, "gun", hand));
+  DOUBLES_EQUAL(180, mount_tool(*memory, "brush", hand)->tip->tip_flange.z(), 1e-12);
+}
+
 TEST(MountedRecord, ARenewedDiscGoesWithItsTool) {
   CHECK(renew_tool(*memory, hand).error().code == Errc::WrongState);
   SUCCEEDS(mount_tool(*memory, "disc", hand));
