@@ -18,6 +18,7 @@
 #include "host/robot/link/ur/ur_link.hpp"
 #include "host/robot/path/checks/program_check.hpp"
 #include "host/robot/path/first_run.hpp"
+#include "host/robot/path/force_told.hpp"
 #include "tests/support/timed_test.hpp"
 #include "tests/support/transforms.hpp"
 #include "tests/unit/host/robot/kinematics/arms.hpp"
