@@ -21,7 +21,7 @@ def instructions(text):
 
 def faults(root, text):
     packaging = (root / "toolchains/cmake/BitelineHostPackages.cmake").read_text(encoding="utf-8")
-    components = re.search(r"foreach\(component ((?:\w+ ?)+)\)\n  biteline_daemon_package", packaging)[1].split()
+    components = re.findall(r"^biteline_daemon_package\((\w+) ", packaging, re.MULTILINE)
     found = list(instructions(text))
     if not found or found[0] != ("FROM", "debian:12-slim"):
         yield "its first line is not FROM debian:12-slim, for which the packages are built"

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
-// bench_force [SHOES [SEED]]: how even the force is that a path presses with in the simulated cell.  Made
-// shoes of six models, five of each, before a UR10e; grind, rough and roll at 60 mm/s, once by the set force
-// alone and once with what an air run and the shoes before have taught.  Contact is MuJoCo's; sensor,
-// regulator and upper are simulated: the sensor's error changes with the place by 1.1 N (root mean square),
-// as a UR5e's was measured.  Each shoe stands a few mm elsewhere, has its own upper (0.5 to 2 N/mm3), and its
-// line is off by 0.1 mm.  Grind and rough are run by a simulated constant-force flange, too: it needs no air
-// run, and learns from its own reading.
+// bench_force [SHOES [SEED [without-air]]]: how even the force is that a path presses with in the simulated
+// cell.  Made shoes of six models, five of each, before a UR10e; grind, rough and roll at 60 mm/s, once by
+// the set force alone and once with what an air run and the shoes before have taught.  Contact is MuJoCo's;
+// sensor, regulator and upper are simulated: the sensor's error changes with the place by 1.1 N (root mean
+// square), as a UR5e's was measured.  Each shoe stands a few mm elsewhere, has its own upper (0.5 to 2
+// N/mm3), and its line is off by 0.1 mm.  Grind and rough are run by a simulated constant-force flange, too:
+// it needs no air run, and learns from its own reading.  without-air: the arm learns without a run beside the
+// shoe, as a service does.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -288,7 +289,7 @@ struct Sums {
 
 /// The shoes of one model, in their order.
 void work(const Model& model, const std::vector<Shoe>& shoes, const Job& job, const sim::ArmKinematics& arm,
-          Sums& sums) {
+          bool air_run, Sums& sums) {
   path::ForceLearned learned{.set_newton = job.set_newton};
   const path::Process process = process_of(job);
   const auto note = [&](const Result<Pressed>& pressed, Sum& sum) {
@@ -302,7 +303,7 @@ void work(const Model& model, const std::vector<Shoe>& shoes, const Job& job, co
     }
   };
   // A flange's reading does not change with the place: what it reads beside the shoe teaches nothing.
-  if (!job.by_flange) {
+  if (air_run && !job.by_flange) {
     const Result<Pressed> air =
         press(model, shoes.front(), path::force_air_run(request_of(model, shoes.front(), process)), job, arm);
     if (air) {
@@ -324,7 +325,7 @@ void work(const Model& model, const std::vector<Shoe>& shoes, const Job& job, co
   }
 }
 
-int run(int count, std::uint64_t seed) {
+int run(int count, std::uint64_t seed, bool air_run) {
   const auto arm = sim::ArmKinematics::named(k_arm);
   const std::array jobs{Job{"grind", "grind", 20, 2, 0.3, sim::grinding_disc()},
                         Job{"rough", "rough", 15, 2, 0.15, sim::roughing_brush()},
@@ -342,7 +343,7 @@ int run(int count, std::uint64_t seed) {
     std::vector<Shoe> shoes;
     for (int i = 0; i < std::min(k_shoes_each, count - done); ++i)
       shoes.push_back(make_shoe(*model, 1000 * of_model + static_cast<std::uint64_t>(i), of_model));
-    for (std::size_t k = 0; k < jobs.size(); ++k) work(*model, shoes, jobs[k], *arm, sums[k]);
+    for (std::size_t k = 0; k < jobs.size(); ++k) work(*model, shoes, jobs[k], *arm, air_run, sums[k]);
   }
   bool good = true;
   for (std::size_t k = 0; k < jobs.size(); ++k) {
@@ -360,9 +361,10 @@ int run(int count, std::uint64_t seed) {
 int main(int argc, char** argv) {
   const int shoes = argc > 1 ? std::atoi(argv[1]) : 30;
   const auto seed = static_cast<std::uint64_t>(argc > 2 ? std::atoll(argv[2]) : 6001);
-  if (shoes < 1) {
-    std::fprintf(stderr, "usage: bench_force [SHOES [SEED]]\n");
+  const bool without_air = argc == 4 && std::string{argv[3]} == "without-air";
+  if (shoes < 1 || argc > 4 || (argc == 4 && !without_air)) {
+    std::fprintf(stderr, "usage: bench_force [SHOES [SEED [without-air]]]\n");
     return 2;
   }
-  return biteline::bench::run(shoes, seed);
+  return biteline::bench::run(shoes, seed, !without_air);
 }
